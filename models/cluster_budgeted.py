@@ -1,0 +1,42 @@
+"""Clusters to robots within budgets: between Eq. 1 as printed and its one-to-one reading.
+
+Sets        robots r, clusters c
+Data        w_rc    requirements that robot r can serve in cluster c
+            w^f_rc  those of victims that r can satisfy fully
+            b_r     most clusters that robot r may take
+Parameter   ψ in [0, 1], the importance of full over partial satisfaction
+Variables   x_rc in {0, 1}: robot r takes cluster c
+
+    max   Σ_r Σ_c [(1 − ψ) w_rc + ψ w^f_rc] x_rc
+    s.t.  Σ_r x_rc ≤ 1           for all c   a cluster has at most one robot
+          Σ_c x_rc ≤ b_r         for all r   a robot keeps to its budget
+
+Size        N K variables, N + K rows. Totally unimodular.
+Source      Osooli et al. (2023), Eq. 1, with a budget per robot.
+"""
+
+import cvxpy as cp
+
+from msmrta_opt.optimise.formulation import PSI, ClusterData, Spec
+
+SPEC = Spec(
+    stage="cluster",
+    title="Eq. 1 with budgets: robot r takes at most b_r clusters",
+    parameters={"psi": PSI},
+)
+
+
+def build(data: ClusterData) -> cp.Problem:
+    """The program for `data`; answers with ``x``, shape ``(n_robots, n_clusters)``."""
+    psi = cp.Parameter(nonneg=True, name="psi")
+    x = cp.Variable(data.w.shape, boolean=True, name="x")
+
+    partial = cp.sum(cp.multiply(data.w, x))
+    full = cp.sum(cp.multiply(data.w_full, x))
+    return cp.Problem(
+        cp.Maximize((1 - psi) * partial + psi * full),
+        [
+            (cp.sum(x, axis=0) <= 1).set_label("cluster {c} has at most one robot"),
+            (cp.sum(x, axis=1) <= data.budget).set_label("robot {r} keeps to its budget"),
+        ],
+    )

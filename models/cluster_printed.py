@@ -1,0 +1,37 @@
+"""Clusters to robots, as Eq. 1 is printed: a robot may take any number of clusters.
+
+Sets        robots r, clusters c
+Data        w_rc    requirements that robot r can serve in cluster c
+            w^f_rc  those of victims that r can satisfy fully
+Parameter   ψ in [0, 1], the importance of full over partial satisfaction
+Variables   x_rc in {0, 1}: robot r takes cluster c
+
+    max   Σ_r Σ_c [(1 − ψ) w_rc + ψ w^f_rc] x_rc
+    s.t.  Σ_r x_rc ≤ 1           for all c   a cluster has at most one robot
+
+Size        N K variables, K rows. Totally unimodular: each cluster chooses by itself.
+Source      Osooli et al. (2023), Eq. 1.
+"""
+
+import cvxpy as cp
+
+from msmrta_opt.optimise.formulation import PSI, ClusterData, Spec
+
+SPEC = Spec(
+    stage="cluster",
+    title="Eq. 1 as printed: a robot may take any number of clusters",
+    parameters={"psi": PSI},
+)
+
+
+def build(data: ClusterData) -> cp.Problem:
+    """The program for `data`; answers with ``x``, shape ``(n_robots, n_clusters)``."""
+    psi = cp.Parameter(nonneg=True, name="psi")
+    x = cp.Variable(data.w.shape, boolean=True, name="x")
+
+    partial = cp.sum(cp.multiply(data.w, x))
+    full = cp.sum(cp.multiply(data.w_full, x))
+    return cp.Problem(
+        cp.Maximize((1 - psi) * partial + psi * full),
+        [(cp.sum(x, axis=0) <= 1).set_label("cluster {c} has at most one robot")],
+    )

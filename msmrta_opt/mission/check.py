@@ -1,0 +1,197 @@
+"""The independent plan checker.
+
+It shares no code with the planners: reachability comes from its own flood fill, availability, moves
+and times are worked out again from the instance alone.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from .errors import CheckError
+from .grid import Cell
+from .instance import Instance
+from .plan import (
+    BEYOND_ENDURANCE,
+    NO_CAPABLE_ROBOT_REACHES_IT,
+    NO_ROBOT_HAS_IT,
+    NOT_FOUND,
+    Plan,
+)
+
+TOLERANCE = 1e-6
+"""Time units by which arrival and departure may differ from the walked distance."""
+
+
+def problems(plan: Plan) -> list[str]:
+    """Everything that is wrong with `plan`, one line each; empty if it holds.
+
+    Robots and victims exist and each robot has at most one route; routes start at the robot's
+    start and move one free cell at a time; each visit ends at its victim, at the right time, and
+    serves kinds that the robot has and the victim needs; each available requirement is served
+    exactly once; what is unserved is listed once, with the true reason.
+    """
+    wrong = _names(plan)
+    return wrong or _routes(plan) + _services(plan)
+
+
+def check_plan(plan: Plan) -> Plan:
+    """`plan` itself, if it holds.
+
+    Raises
+    ------
+    CheckError
+        If it does not, saying how.
+    """
+    wrong = problems(plan)
+    if wrong:
+        more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
+        raise CheckError(f"the plan of {plan.planner!r} fails its check: {wrong[0]}{more}")
+    return plan
+
+
+def _names(plan: Plan) -> list[str]:
+    robots = {robot.id for robot in plan.instance.robots}
+    kinds_of = {victim.id: set(victim.requirements) for victim in plan.instance.victims}
+    wrong = []
+    for robot, count in Counter(route.robot for route in plan.routes).items():
+        if robot not in robots:
+            wrong.append(f"there is no robot {robot}")
+        if count > 1:
+            wrong.append(f"robot {robot} has {count} routes")
+    for route in plan.routes:
+        for visit in route.visits:
+            if visit.victim not in kinds_of:
+                wrong.append(f"robot {route.robot} visits victim {visit.victim}, which is not there")
+    for item in plan.unserved:
+        if item.kind not in kinds_of.get(item.victim, set()):
+            wrong.append(f"victim {item.victim} is listed as unserved for {item.kind}, not its need")
+    if plan.scouting is not None:
+        wrong.extend(
+            f"victim {victim} is listed as not found, and is not there"
+            for victim in plan.scouting.not_found
+            if victim not in kinds_of
+        )
+    return wrong
+
+
+def _routes(plan: Plan) -> list[str]:
+    """Moves legal, stops where they should be, times consistent."""
+    instance = plan.instance
+    robots = {robot.id: robot for robot in instance.robots}
+    victims = {victim.id: victim for victim in instance.victims}
+    wrong: list[str] = []
+    for route in plan.routes:
+        robot = robots[route.robot]
+        here, clock = robot.start, 0.0
+        for visit in route.visits:
+            where = f"robot {robot.id} on its way to victim {visit.victim}"
+            victim = victims[visit.victim]
+            wrong.extend(_walk(instance, where, here, victim.cell, visit.cells))
+            arrival = clock + (len(visit.cells) - 1) / robot.speed
+            if abs(visit.arrival - arrival) > TOLERANCE:
+                wrong.append(f"{where} arrives at {visit.arrival:g}, which should be {arrival:g}")
+            service = sum(
+                victim.service_time.get(kind, instance.service_time.get(kind, 0.0))
+                for kind in visit.served
+            )
+            departure = arrival + service
+            if abs(visit.departure - departure) > TOLERANCE:
+                wrong.append(f"{where} leaves at {visit.departure:g}, which should be {departure:g}")
+            here, clock = victim.cell, departure
+        if route.back:
+            wrong.extend(
+                _walk(instance, f"robot {robot.id} on its way back", here, robot.start, route.back)
+            )
+    return wrong
+
+
+def _walk(
+    instance: Instance, where: str, start: Cell, end: Cell, cells: tuple[Cell, ...]
+) -> list[str]:
+    wrong = []
+    if cells[0] != start:
+        wrong.append(f"{where} sets out from {cells[0]}, but is at {start}")
+    if cells[-1] != end:
+        wrong.append(f"{where} ends at {cells[-1]}, not at {end}")
+    for row, col in cells:
+        if not instance.map.is_free((row, col)):
+            wrong.append(f"{where} enters {(row, col)}, which is not a free cell")
+    for (r0, c0), (r1, c1) in zip(cells, cells[1:], strict=False):
+        if abs(r0 - r1) + abs(c0 - c1) != 1:
+            wrong.append(f"{where} jumps from {(r0, c0)} to {(r1, c1)}")
+    return wrong
+
+
+def _services(plan: Plan) -> list[str]:
+    """Capabilities present, each available requirement served once, the rest rightly listed."""
+    instance = plan.instance
+    robots = {robot.id: robot for robot in instance.robots}
+    victims = {victim.id: victim for victim in instance.victims}
+    hidden = set(plan.scouting.not_found) if plan.scouting else set()
+    component = _components(instance)
+    wrong: list[str] = []
+    served: Counter[tuple[int, str]] = Counter()
+    for route in plan.routes:
+        for visit in route.visits:
+            if visit.victim in hidden:
+                wrong.append(f"victim {visit.victim} is visited, but was not found")
+            for kind in visit.served:
+                served[visit.victim, kind] += 1
+                if kind not in robots[route.robot].capabilities:
+                    wrong.append(f"robot {route.robot} serves {kind} without having it")
+                if kind not in victims[visit.victim].requirements:
+                    wrong.append(f"victim {visit.victim} is served {kind} without needing it")
+    listed = Counter((item.victim, item.kind) for item in plan.unserved)
+    reason = {(item.victim, item.kind): item.reason for item in plan.unserved}
+    for victim in instance.victims:
+        for kind in victim.requirements:
+            need = (victim.id, kind)
+            what = f"{kind} of victim {victim.id}"
+            if served[need] + listed[need] != 1:
+                wrong.append(f"{what} is served {served[need]}× and unserved {listed[need]}×")
+            capable = [robot for robot in instance.robots if kind in robot.capabilities]
+            reaching = [r for r in capable if component[r.start] == component[victim.cell]]
+            true = (
+                NOT_FOUND
+                if victim.id in hidden
+                else NO_ROBOT_HAS_IT
+                if not capable
+                else NO_CAPABLE_ROBOT_REACHES_IT
+                if not reaching
+                else None
+            )
+            if listed[need]:
+                said = reason[need]
+                if said == BEYOND_ENDURANCE and true is None and _limited(plan):
+                    continue
+                if said != true:
+                    wrong.append(f"{what} is unserved for {said!r}; in truth: {true or 'available'}")
+    return wrong
+
+
+def _limited(plan: Plan) -> bool:
+    """Whether the plan was made under a limit that can leave an available requirement open."""
+    return plan.options.get("endurance") is not None
+
+
+def _components(instance: Instance) -> dict[Cell, int]:
+    """The connected component of each free cell, by flood fill."""
+    component: dict[Cell, int] = {}
+    n_rows, n_cols = instance.map.shape
+    free = instance.map.free.tolist()
+    for row in range(n_rows):
+        for col in range(n_cols):
+            if not free[row][col] or (row, col) in component:
+                continue
+            label = len(component)
+            component[row, col] = label
+            border = [(row, col)]
+            while border:
+                r, c = border.pop()
+                for cell in ((r + 1, c), (r - 1, c), (r, c + 1), (r, c - 1)):
+                    inside = 0 <= cell[0] < n_rows and 0 <= cell[1] < n_cols
+                    if inside and free[cell[0]][cell[1]] and cell not in component:
+                        component[cell] = label
+                        border.append(cell)
+    return component

@@ -1,0 +1,51 @@
+"""The package's few error types.
+
+Whoever catches `MsmrtaError` catches everything this package raises on purpose; each message is one
+line that names the file, the field and the offending value, and says what would be right.
+"""
+
+from __future__ import annotations
+
+from os import PathLike
+
+
+class MsmrtaError(Exception):
+    """Base of all errors that this package raises on purpose."""
+
+
+class InputError(MsmrtaError, ValueError):
+    """Something the user supplied is wrong: a file, a field, an option.
+
+    Parameters
+    ----------
+    problem : str
+        What is wrong and what would be right, on one line.
+    field : str, optional
+        The field, as a path into the document, for instance ``robots[2].speed``.
+    file : path, optional
+        The file at fault.
+    """
+
+    def __init__(
+        self, problem: str, *, field: str = "", file: str | PathLike[str] | None = None
+    ) -> None:
+        self.problem = problem
+        self.field = field
+        self.file = None if file is None else str(file)
+        super().__init__(": ".join(part for part in (self.file or "", field, problem) if part))
+
+    def within(self, file: str | PathLike[str]) -> InputError:
+        """The same error, said of `file` (unless it names one already)."""
+        return self if self.file else InputError(self.problem, field=self.field, file=file)
+
+
+class ModelError(MsmrtaError):
+    """A formulation cannot be loaded, built or written as a linear integer program."""
+
+
+class SolverError(MsmrtaError):
+    """A solver is missing, was asked for something it cannot do, or failed."""
+
+
+class CheckError(MsmrtaError):
+    """A solution or a plan failed its independent check, so it is not shown as a result."""

@@ -1,0 +1,369 @@
+"""What is planned: robots, victims, scouts and the map they share.
+
+One JSON file per instance (``"format": "msmrta-instance/1"``); pydantic validates it, and
+`json_schema` publishes its schema. The binary matrices are those of the paper's Algorithm 2: ``Q``
+holds a row of requirements per victim, ``P`` a row of capabilities per robot.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    NonNegativeInt,
+    PlainSerializer,
+    ValidationError,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
+
+from .errors import InputError
+from .files import read_text, write_text
+from .grid import Cell, GridMap
+from .maps import BLOCKED, FREE, grid_from_rows, read_map
+from .validation import at, first_problem
+
+FORMAT = "msmrta-instance/1"
+
+T = TypeVar("T", bound=np.generic)
+
+
+def _load_map(value: object, info: ValidationInfo) -> GridMap:
+    """A map from what the document holds: a path beside the file, or its rows."""
+    if isinstance(value, GridMap):
+        return value
+    if isinstance(value, str):
+        return read_map(Path((info.context or {}).get("folder", ".")) / value)
+    if isinstance(value, Mapping) and set(value) == {"rows"}:
+        rows = value["rows"]
+        if isinstance(rows, Sequence) and all(isinstance(row, str) for row in rows):
+            return grid_from_rows(rows)
+    raise ValueError(f'{_short(value)}; give a .map file\'s path or {{"rows": ["..@.", …]}}')
+
+
+def _dump_map(grid: GridMap) -> dict[str, list[str]]:
+    return {"rows": list(grid.rows)}
+
+
+MapField = Annotated[
+    GridMap,
+    BeforeValidator(_load_map),
+    PlainSerializer(_dump_map),
+    WithJsonSchema(
+        {
+            "description": "A MovingAI .map file, relative to this one, or the rows themselves.",
+            "anyOf": [
+                {"type": "string"},
+                {
+                    "type": "object",
+                    "properties": {
+                        "rows": {
+                            "type": "array",
+                            "minItems": 1,
+                            "items": {"type": "string", "pattern": f"^[{FREE}{BLOCKED}]+$"},
+                        }
+                    },
+                    "required": ["rows"],
+                    "additionalProperties": False,
+                },
+            ],
+        }
+    ),
+]
+CellField = tuple[NonNegativeInt, NonNegativeInt]
+Duration = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class _Record(BaseModel):
+    """A frozen, strictly validated record of the document."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+class Robot(_Record):
+    """A rescue robot.
+
+    ``start`` is a cell, ``speed`` is in cells per time unit, ``capabilities`` are names of kinds.
+    """
+
+    id: NonNegativeInt
+    start: CellField
+    speed: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    capabilities: tuple[str, ...]
+
+
+class Victim(_Record):
+    """A victim, that is, a task.
+
+    ``service_time`` overrides the instance's times (in time units) per requirement kind;
+    ``priority`` weights the victim's completion time.
+    """
+
+    id: NonNegativeInt
+    cell: CellField
+    requirements: tuple[str, ...]
+    service_time: dict[str, Duration] = Field(default_factory=dict)
+    priority: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 1.0
+
+
+class Scout(_Record):
+    """A scouting robot; ``visual_field_depth`` is in cells, in each direction."""
+
+    id: NonNegativeInt
+    start: CellField
+    visual_field_depth: NonNegativeInt
+
+
+class Instance(_Record):
+    """A rescue mission: the map, who needs what, and who can do what.
+
+    Robots, victims and kinds are indexed by their position in the document: ``r``, ``v`` and ``k``
+    in the formulas. Read one with `Instance.read`, vary one with `replace`.
+    """
+
+    format: Literal["msmrta-instance/1"] = FORMAT
+    name: str = ""
+    description: str = ""
+    source: str = ""
+    map: MapField
+    capabilities: tuple[str, ...]
+    service_time: dict[str, Duration]
+    robots: Annotated[tuple[Robot, ...], Field(min_length=1)]
+    victims: tuple[Victim, ...] = ()
+    scouts: tuple[Scout, ...] = ()
+    clusters: tuple[NonNegativeInt, ...] | None = None
+
+    @field_validator("capabilities")
+    @classmethod
+    def _kinds_differ(cls, kinds: tuple[str, ...]) -> tuple[str, ...]:
+        _refuse_repeats("capabilities", kinds, "each kind is listed once")
+        return kinds
+
+    @model_validator(mode="after")
+    def _refers_to_what_exists(self) -> Self:
+        kinds = self.capabilities
+        for kind in self.service_time:
+            _known_kind(at("service_time", kind), kind, kinds)
+        for kind in kinds:
+            if kind not in self.service_time:
+                raise InputError(f"no time for kind {kind!r}", field="service_time")
+        for group, members in (
+            ("robots", self.robots),
+            ("victims", self.victims),
+            ("scouts", self.scouts),
+        ):
+            ids = [member.id for member in members]
+            _refuse_repeats(group, ids, "ids differ within a group", suffix=".id")
+        for i, robot in enumerate(self.robots):
+            self._check_cell(at("robots", i, "start"), robot.start)
+            _check_kinds(at("robots", i, "capabilities"), robot.capabilities, kinds)
+        for i, victim in enumerate(self.victims):
+            self._check_cell(at("victims", i, "cell"), victim.cell)
+            _check_kinds(at("victims", i, "requirements"), victim.requirements, kinds)
+            for kind in victim.service_time:
+                _known_kind(at("victims", i, "service_time"), kind, victim.requirements)
+        for i, scout in enumerate(self.scouts):
+            self._check_cell(at("scouts", i, "start"), scout.start)
+        if self.clusters is not None and len(self.clusters) != self.n_victims:
+            raise InputError(
+                f"{len(self.clusters)} labels for {self.n_victims} victims; give one per victim",
+                field="clusters",
+            )
+        return self
+
+    def _check_cell(self, field: str, cell: Cell) -> None:
+        n_rows, n_cols = self.map.shape
+        if not self.map.contains(cell):
+            raise InputError(
+                f"{list(cell)} is outside the map; rows are 0 to {n_rows - 1},"
+                f" columns 0 to {n_cols - 1}",
+                field=field,
+            )
+        if not self.map.is_free(cell):
+            raise InputError(f"{list(cell)} is in a wall; give a free cell", field=field)
+
+    # Sizes and arrays
+
+    @property
+    def n_robots(self) -> int:
+        """N, the number of robots."""
+        return len(self.robots)
+
+    @property
+    def n_victims(self) -> int:
+        """M, the number of victims."""
+        return len(self.victims)
+
+    @property
+    def n_kinds(self) -> int:
+        """Number of kinds of capability, which are also the kinds of requirement."""
+        return len(self.capabilities)
+
+    @cached_property
+    def Q(self) -> NDArray[np.bool_]:  # noqa: N802 - the paper's name
+        """Requirements, shape ``(n_victims, n_kinds)``."""
+        return _membership([v.requirements for v in self.victims], self.capabilities)
+
+    @cached_property
+    def P(self) -> NDArray[np.bool_]:  # noqa: N802 - the paper's name
+        """Capabilities, shape ``(n_robots, n_kinds)``."""
+        return _membership([r.capabilities for r in self.robots], self.capabilities)
+
+    @cached_property
+    def service(self) -> NDArray[np.float64]:
+        """Service time per victim and kind, in time units, 0 where not required,
+        shape ``(n_victims, n_kinds)``."""
+        times = np.array(
+            [
+                [v.service_time.get(kind, self.service_time[kind]) for kind in self.capabilities]
+                for v in self.victims
+            ],
+            dtype=float,
+        ).reshape(self.n_victims, self.n_kinds)
+        return _frozen(np.where(self.Q, times, 0.0))
+
+    @cached_property
+    def speed(self) -> NDArray[np.float64]:
+        """Speed per robot in cells per time unit, shape ``(n_robots,)``."""
+        return _frozen(np.array([robot.speed for robot in self.robots]))
+
+    @cached_property
+    def priority(self) -> NDArray[np.float64]:
+        """Priority per victim, shape ``(n_victims,)``."""
+        return _frozen(np.array([victim.priority for victim in self.victims], dtype=float))
+
+    @property
+    def starts(self) -> list[Cell]:
+        """Start cell of each robot."""
+        return [robot.start for robot in self.robots]
+
+    @property
+    def cells(self) -> list[Cell]:
+        """Cell of each victim."""
+        return [victim.cell for victim in self.victims]
+
+    # Files and variants
+
+    @classmethod
+    def read(cls, path: str | Path) -> Instance:
+        """Read an instance file.
+
+        Raises
+        ------
+        InputError
+            Naming the file, the field, the offending value and what would be right.
+        """
+        path = Path(path)
+        return cls._validated(read_text(path), file=path, folder=path.parent)
+
+    @classmethod
+    def from_document(cls, document: Mapping[str, Any], *, file: str | Path = "") -> Instance:
+        """An instance from the document that `document` returns (its map held as rows)."""
+        return cls._validated(json.dumps(document), file=file or None, folder=Path())
+
+    @classmethod
+    def _validated(cls, text: str, *, file: str | Path | None, folder: Path) -> Instance:
+        try:
+            return cls.model_validate_json(text, strict=True, context={"folder": folder})
+        except ValidationError as error:
+            raise first_problem(error).within(file or "") from None
+        except InputError as error:
+            raise error.within(file or "") from None
+
+    def document(self) -> dict[str, Any]:
+        """The instance as a JSON-ready document that needs no other file."""
+        return self.model_dump(mode="json", exclude_defaults=False)
+
+    def save(self, path: str | Path) -> None:
+        """Write the instance to `path`, whole or not at all.
+
+        The map is referred to where its file lies in or below the same folder, else written out.
+        """
+        path = Path(path)
+        document = self.document()
+        if self.map.source is not None:
+            source, folder = self.map.source.resolve(), path.parent.resolve()
+            if source.is_relative_to(folder) and source.exists():
+                document["map"] = source.relative_to(folder).as_posix()
+        write_text(path, json.dumps(document, indent=1) + "\n")
+
+    def replace(self, **changes: Any) -> Instance:
+        """A validated copy with some fields changed.
+
+        Pinned clusters are dropped when the victims change and no new labels are given.
+
+        Raises
+        ------
+        InputError
+            As for a file.
+        """
+        unknown = set(changes) - set(type(self).model_fields)
+        if unknown:
+            raise InputError(
+                f"no such field; there are {', '.join(type(self).model_fields)}",
+                field=sorted(unknown)[0],
+            )
+        if "victims" in changes:
+            changes.setdefault("clusters", None)
+        values = {name: getattr(self, name) for name in type(self).model_fields} | changes
+        try:
+            return type(self).model_validate(values)
+        except ValidationError as error:
+            raise first_problem(error) from None
+
+    def with_victims(self, indices: Sequence[int]) -> Instance:
+        """The same mission with only the victims at `indices`, their pinned clusters kept."""
+        labels = None if self.clusters is None else tuple(self.clusters[i] for i in indices)
+        return self.replace(victims=tuple(self.victims[i] for i in indices), clusters=labels)
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of an instance file."""
+    return Instance.model_json_schema()
+
+
+def _membership(rows: Sequence[Sequence[str]], kinds: Sequence[str]) -> NDArray[np.bool_]:
+    table = [[kind in row for kind in kinds] for row in rows]
+    return _frozen(np.array(table, dtype=bool).reshape(len(rows), len(kinds)))
+
+
+def _frozen(array: NDArray[T]) -> NDArray[T]:
+    array.setflags(write=False)
+    return array
+
+
+def _known_kind(field: str, kind: str, kinds: Sequence[str]) -> None:
+    if kind not in kinds:
+        known = ", ".join(kinds) or "none"
+        raise InputError(f"unknown kind {kind!r}; known here: {known}", field=field)
+
+
+def _check_kinds(field: str, names: Sequence[str], kinds: Sequence[str]) -> None:
+    for kind in names:
+        _known_kind(field, kind, kinds)
+    _refuse_repeats(field, names, "each kind is listed once")
+
+
+def _refuse_repeats(
+    field: str, values: Sequence[object], rule: str, *, suffix: str = ""
+) -> None:
+    for i, value in enumerate(values):
+        if value in values[:i]:
+            raise InputError(f"{value!r} is repeated; {rule}", field=f"{field}[{i}]{suffix}")
+
+
+def _short(value: object, limit: int = 60) -> str:
+    text = repr(value)
+    return text if len(text) <= limit else text[: limit - 1] + "…"

@@ -1,0 +1,225 @@
+"""What a planner answers: who walks where, serves what and when, and what stays unserved and why.
+
+A `Plan` is a frozen record that carries the instance it is for and the options it was made with, so
+that its JSON file (``"format": "msmrta-plan/1"``) is enough to check it, draw it and make it again.
+Robots and victims are named by their ids.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, ValidationError
+
+from .errors import InputError
+from .files import read_text, write_text
+from .grid import Cell
+from .instance import CellField, Instance
+from .metrics import Metrics, metrics
+from .validation import first_problem
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMAT = "msmrta-plan/1"
+
+NO_ROBOT_HAS_IT = "no robot has it"
+NO_CAPABLE_ROBOT_REACHES_IT = "no capable robot can reach it"
+NOT_FOUND = "not found by the scouts"
+BEYOND_ENDURANCE = "beyond the robots' endurance"
+Reason = Literal[
+    "no robot has it",
+    "no capable robot can reach it",
+    "not found by the scouts",
+    "beyond the robots' endurance",
+]
+
+Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Visit(_Record):
+    """A robot at a victim.
+
+    ``cells`` are those walked from the robot's previous stop to the victim, both included;
+    ``arrival`` and ``departure`` are in time units; ``stage`` names what decided the visit.
+    """
+
+    victim: NonNegativeInt
+    served: tuple[str, ...]
+    stage: str
+    cells: Annotated[tuple[CellField, ...], Field(min_length=1)]
+    arrival: Time
+    departure: Time
+
+
+class Route(_Record):
+    """All that one robot does, in order. A robot without visits stays at its start.
+
+    ``back`` holds the cells walked after the last visit, if the robot returns to its start.
+    """
+
+    robot: NonNegativeInt
+    visits: tuple[Visit, ...] = ()
+    back: tuple[CellField, ...] = ()
+
+    @property
+    def cells(self) -> list[Cell]:
+        """All cells walked, in order, each stop once; empty for a robot that stays."""
+        walked: list[Cell] = []
+        for leg in (*(visit.cells for visit in self.visits), self.back):
+            walked.extend(leg[1:] if walked else leg)
+        return walked
+
+    @property
+    def distance(self) -> int:
+        """Cells walked, that is, moves made."""
+        legs = (*(visit.cells for visit in self.visits), self.back)
+        return sum(max(len(leg) - 1, 0) for leg in legs)
+
+
+class Unserved(_Record):
+    """A requirement that the plan leaves open, and why."""
+
+    victim: NonNegativeInt
+    kind: str
+    reason: Reason
+
+
+class Cluster(_Record):
+    """One cluster of victims: its mean, the free cell that stands for it, and who took it.
+
+    ``centre`` is ``(row, col)`` as numbers; ``cell`` is ``None`` if no member can be reached.
+    """
+
+    victims: tuple[NonNegativeInt, ...]
+    centre: tuple[float, float]
+    cell: CellField | None
+    robots: tuple[NonNegativeInt, ...] = ()
+    deferred: tuple[NonNegativeInt, ...] = ()
+
+
+class Track(_Record):
+    """One scout's walk, a cell per step (the start first), and how far it sees."""
+
+    scout: NonNegativeInt
+    visual_field_depth: NonNegativeInt
+    cells: tuple[CellField, ...]
+
+
+class Find(_Record):
+    """A victim found: by which scout, at which step (0 is before the first move)."""
+
+    victim: NonNegativeInt
+    scout: NonNegativeInt
+    step: NonNegativeInt
+
+
+class ScoutingReport(_Record):
+    """What the scouts did and found.
+
+    ``coverage[t]`` is the share of the cells that can be seen from some reachable cell and had
+    been seen after step ``t``.
+    """
+
+    walk: str
+    shared_table: bool
+    seed: int
+    tracks: tuple[Track, ...]
+    finds: tuple[Find, ...]
+    not_found: tuple[NonNegativeInt, ...]
+    coverage: tuple[float, ...]
+    ended: Literal["covered", "all victims found", "step limit"]
+
+
+class Certificate(_Record):
+    """What is proven about the answer to one integer program.
+
+    ``bound`` and ``objective`` are in the model's own sense, ``gap`` is relative; ``proof`` says
+    how the bound was obtained, ``check`` is the verdict of the independent check.
+    """
+
+    stage: str
+    model: str
+    sense: Literal["min", "max"]
+    solver: str
+    version: str
+    status: str
+    objective: float | None
+    bound: float | None
+    gap: float | None
+    proof: str
+    check: str
+    n_variables: NonNegativeInt
+    n_rows: NonNegativeInt
+
+
+class Plan(_Record):
+    """The answer of a planner to an instance."""
+
+    format: Literal["msmrta-plan/1"] = FORMAT
+    instance: Instance
+    planner: str
+    options: dict[str, Any] = Field(default_factory=dict)
+    versions: dict[str, str] = Field(default_factory=dict)
+    routes: tuple[Route, ...]
+    unserved: tuple[Unserved, ...] = ()
+    scouting: ScoutingReport | None = None
+    clusters: tuple[Cluster, ...] = ()
+    certificates: tuple[Certificate, ...] = ()
+    planning_seconds: dict[str, Time] = Field(default_factory=dict)
+
+    @cached_property
+    def metrics(self) -> Metrics:
+        """How good the plan is; see `Metrics`."""
+        return metrics(self)
+
+    def route(self, robot: int) -> Route:
+        """The route of the robot with that id."""
+        for route in self.routes:
+            if route.robot == robot:
+                return route
+        raise KeyError(f"no robot {robot} in this plan")
+
+    def plot(self, **options: Any) -> Figure:
+        """Draw the plan: the three panels of the paper's Fig. 2; see `plots.plot_mission`."""
+        from .. import plots  # drawing is asked for by name; planning never pays for it
+
+        return plots.plot_mission(self, **options)
+
+    def document(self) -> dict[str, Any]:
+        """The plan as a JSON-ready document."""
+        return self.model_dump(mode="json")
+
+    def save(self, path: str | Path) -> None:
+        """Write the plan as JSON, whole or not at all."""
+        write_text(path, json.dumps(self.document(), separators=(",", ":")) + "\n")
+
+    @classmethod
+    def read(cls, path: str | Path) -> Plan:
+        """Read a plan file.
+
+        Raises
+        ------
+        InputError
+            Naming the file, the field, the offending value and what would be right.
+        """
+        try:
+            return cls.model_validate_json(read_text(path), strict=True)
+        except ValidationError as error:
+            raise first_problem(error).within(path) from None
+        except InputError as error:
+            raise error.within(path) from None
+
+    def same_as(self, other: Plan) -> bool:
+        """Whether both plans are the same but for the time that planning took."""
+        mine, theirs = self.document(), other.document()
+        for document in (mine, theirs):
+            document.pop("planning_seconds")
+        return mine == theirs

@@ -1,0 +1,91 @@
+"""The independent check of solutions and bounds: numpy on the program's arrays, no solver.
+
+What fails it is never shown as a result.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .formulation import Floats
+from .program import Program
+
+TOLERANCE = 1e-6
+"""How far a row or bound may be missed, relative to the size of its terms."""
+
+
+def settled(program: Program, x: Floats) -> Floats:
+    """`x` with values of integer columns that are integral up to tolerance made so exactly."""
+    x = np.array(x, dtype=float)
+    nearest = np.round(x)
+    close = program.integer & (np.abs(x - nearest) <= TOLERANCE * 10)
+    x[close] = nearest[close]
+    return np.clip(x, program.lower, program.upper, where=np.abs(x) < np.inf, out=x)
+
+
+def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
+    """What is wrong with `x` as a solution of `program`, worst first; empty if nothing is.
+
+    Parameters
+    ----------
+    program : Program
+        The arrays to check against.
+    x : float array, shape (n_columns,)
+        The point.
+    most : int
+        How many to name.
+    """
+    if x.shape != (program.n_columns,) or not np.isfinite(x).all():
+        return [f"the point has shape {x.shape} or values that are not finite"]
+    found: list[tuple[float, str]] = []
+
+    activity = program.matrix @ x
+    scale = 1.0 + np.abs(program.matrix) @ np.abs(x)
+    missed = np.maximum(program.row_lower - activity, activity - program.row_upper) / scale
+    found.extend(
+        (missed[i], f"row '{program.row_name(i)}' is missed by {missed[i] * scale[i]:.2g}")
+        for i in np.argsort(-missed)[:most]
+        if missed[i] > TOLERANCE
+    )
+    outside = np.maximum(program.lower - x, x - program.upper) / (1.0 + np.abs(x))
+    found.extend(
+        (outside[j], f"{program.column_name(j)} = {x[j]:g} is outside its bounds")
+        for j in np.argsort(-outside)[:most]
+        if outside[j] > TOLERANCE
+    )
+    fraction = np.where(program.integer, np.abs(x - np.round(x)), 0.0)
+    found.extend(
+        (fraction[j], f"{program.column_name(j)} = {x[j]:g} is not integral")
+        for j in np.argsort(-fraction)[:most]
+        if fraction[j] > TOLERANCE
+    )
+    return [text for _, text in sorted(found, key=lambda item: -item[0])[:most]]
+
+
+def dual_bound(program: Program, prices: Floats) -> float:
+    """The bound that dual `prices` prove on the program's objective, by weak LP duality.
+
+    Whatever the prices are, no feasible point is better; good prices make the bound tight. It is
+    infinite where a price has the wrong sign for a one-sided row or a free column.
+
+    Parameters
+    ----------
+    program : Program
+        The arrays.
+    prices : float array, shape (n_rows,)
+        For a minimisation of ``sign * cost``: positive prices lean on ``row_lower``, negative ones
+        on ``row_upper``.
+    """
+    reduced = program.sign * program.cost - program.matrix.T @ prices
+    # Prices within rounding of zero may lean on a side that is infinite; they are worth nothing.
+    prices = np.where(np.abs(prices) < 1e-9, 0.0, prices)
+    reduced = np.where(np.abs(reduced) < 1e-9, 0.0, reduced)
+    worth = _least(prices, program.row_lower, program.row_upper)
+    worth += _least(reduced, program.lower, program.upper)
+    return program.sign * worth + program.offset
+
+
+def _least(weight: Floats, lower: Floats, upper: Floats) -> float:
+    """Least value of ``weight @ z`` over ``lower ≤ z ≤ upper``."""
+    side = np.where(weight > 0, lower, upper)
+    return float(np.sum(weight[weight != 0] * side[weight != 0]))

@@ -1,0 +1,123 @@
+"""A linear integer program as arrays: what solvers, checks, proofs and exports work on."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .formulation import Bools, Floats
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+Sense = Literal["min", "max"]
+
+
+@dataclass(frozen=True)
+class Block:
+    """A named array of consecutive columns or rows, in column-major (Fortran) order."""
+
+    name: str
+    start: int
+    shape: tuple[int, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of columns or rows."""
+        return int(np.prod(self.shape, dtype=int))
+
+    @property
+    def stop(self) -> int:
+        """One past the last column or row."""
+        return self.start + self.size
+
+    def index(self, position: int) -> tuple[int, ...]:
+        """The array index of a column or row of this block."""
+        return tuple(int(i) for i in np.unravel_index(position - self.start, self.shape, order="F"))
+
+    def element(self, position: int) -> str:
+        """Its readable name: ``x[0,2]``, or a label with its ``{axes}`` filled in."""
+        index = self.index(position)
+        if "{" in self.name:
+            numbers = iter(index)
+            return re.sub(r"\{(\w*)\}", lambda _: str(next(numbers, "?")), self.name)
+        return f"{self.name}[{','.join(map(str, index))}]" if index else self.name
+
+
+def element_name(blocks: tuple[Block, ...], position: int) -> str:
+    """The readable name of a column or row among `blocks`."""
+    for block in blocks:
+        if block.start <= position < block.stop:
+            return block.element(position)
+    raise IndexError(position)
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """``min`` or ``max`` of ``cost @ x + offset`` over
+    ``row_lower ≤ matrix @ x ≤ row_upper`` and ``lower ≤ x ≤ upper``, some of ``x`` integer.
+
+    Costs, values and bounds are in the program's own sense, offset included.
+    """
+
+    sense: Sense
+    cost: Floats
+    offset: float
+    matrix: csr_array
+    row_lower: Floats
+    row_upper: Floats
+    lower: Floats
+    upper: Floats
+    integer: Bools
+    columns: tuple[Block, ...] = field(default=(), repr=False)
+    rows: tuple[Block, ...] = field(default=(), repr=False)
+
+    @property
+    def n_columns(self) -> int:
+        """Number of variables."""
+        return len(self.cost)
+
+    @property
+    def n_rows(self) -> int:
+        """Number of rows; bounds on variables are not rows."""
+        return len(self.row_lower)
+
+    @property
+    def sign(self) -> float:
+        """1 for a minimisation, -1 for a maximisation."""
+        return 1.0 if self.sense == "min" else -1.0
+
+    def value(self, x: Floats) -> float:
+        """The objective at `x`, shape ``(n_columns,)``."""
+        return float(self.cost @ x) + self.offset
+
+    def relaxed(self) -> Program:
+        """The same program without integrality."""
+        return replace(self, integer=np.zeros(self.n_columns, dtype=bool))
+
+    def column_name(self, column: int) -> str:
+        """For instance ``x[0,2]``."""
+        return element_name(self.columns, column)
+
+    def row_name(self, row: int) -> str:
+        """For instance ``cluster 2 has at most one robot``."""
+        return element_name(self.rows, row)
+
+    def shaped(self, x: Floats) -> dict[str, NDArray[np.float64]]:
+        """The named variables of a point `x`, each in its own shape."""
+        return {
+            block.name: x[block.start : block.stop].reshape(block.shape, order="F")
+            for block in self.columns
+        }
+
+    def flat(self, values: dict[str, NDArray[np.float64]]) -> Floats:
+        """The point that `shaped` takes apart; columns that are not named are NaN."""
+        x = np.full(self.n_columns, np.nan)
+        for block in self.columns:
+            if block.name in values:
+                x[block.start : block.stop] = np.asarray(values[block.name], float).ravel("F")
+        return x

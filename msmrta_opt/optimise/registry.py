@@ -1,0 +1,165 @@
+"""The registry of formulations: every file of the models folders, found by name.
+
+Only this module loads models. A file that does not import stays listed with its error; asking for it
+raises that error. Folders of one's own come from `add_models` or the environment variable
+``MSMRTA_MODELS`` (several, separated as in ``PATH``).
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import os
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .. import formulations
+from ..mission.errors import InputError, ModelError
+from .formulation import Spec
+
+if TYPE_CHECKING:
+    import cvxpy as cp
+
+ENVIRONMENT = "MSMRTA_MODELS"
+
+
+@dataclass(frozen=True)
+class Formulation:
+    """One formulation, as its file states it.
+
+    ``build`` takes the data of ``spec.stage`` and returns a `cvxpy.Problem`.
+    """
+
+    name: str
+    path: Path
+    spec: Spec
+    mathematics: str
+    build: Callable[[Any], cp.Problem] = field(compare=False)
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A file of a models folder: its formulation, or the error that it raised."""
+
+    name: str
+    path: Path
+    formulation: Formulation | None = None
+    error: str = ""
+    details: str = field(default="", repr=False)
+
+
+def folders() -> list[Path]:
+    """The models folders, the shipped one first."""
+    paths = list(formulations.__path__)
+    for entry in os.environ.get(ENVIRONMENT, "").split(os.pathsep):
+        if entry and str(Path(entry).resolve()) not in paths:
+            add_models(entry)
+    return [Path(path) for path in formulations.__path__]
+
+
+def add_models(folder: str | Path) -> None:
+    """Also find the formulations of `folder`.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder.
+    """
+    path = Path(folder).resolve()
+    if not path.is_dir():
+        raise InputError("no such folder of models", file=folder)
+    if str(path) not in formulations.__path__:
+        formulations.__path__.append(str(path))
+        importlib.invalidate_caches()
+
+
+def reload_models() -> list[Listing]:
+    """Read all formulations again, so that edited files take effect; returns what there is now."""
+    prefix = formulations.__name__ + "."
+    for module in [name for name in sys.modules if name.startswith(prefix)]:
+        del sys.modules[module]
+    importlib.invalidate_caches()
+    return list(listings())
+
+
+def _files() -> Iterator[tuple[Path, str]]:
+    """Every model file, with an objection if an earlier folder has taken its name."""
+    seen: dict[str, Path] = {}
+    for folder in folders():
+        for path in sorted(folder.glob("*.py")):
+            if path.stem.startswith("_"):
+                continue
+            first = seen.setdefault(path.stem, path)
+            yield path, "" if first == path else f"the name is taken by {first}; rename this file"
+
+
+def listings(stage: str | None = None) -> Iterator[Listing]:
+    """Every formulation found, broken files included, in the order of folders and names."""
+    for path, objection in _files():
+        if objection:
+            listing = Listing(path.stem, path, error=objection)
+        else:
+            listing = _load(path)
+        if (
+            stage is None
+            or listing.formulation is None
+            or listing.formulation.spec.stage == stage
+        ):
+            yield listing
+
+
+def get(name: str, *, stage: str | None = None) -> Formulation:
+    """The formulation called `name`.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, or it is for another stage than `stage`.
+    ModelError
+        If its file does not import.
+    """
+    found = {path.stem: path for path, objection in _files() if not objection}
+    if name not in found:
+        usable = (item.name for item in listings(stage) if item.formulation)
+        raise InputError(f"no formulation {name!r}; there are {', '.join(usable)}", field="model")
+    listing = _load(found[name])
+    if listing.formulation is None:
+        raise ModelError(f"{listing.path}: {listing.error}")
+    if stage is not None and listing.formulation.spec.stage != stage:
+        raise InputError(
+            f"{name!r} is a {listing.formulation.spec.stage} formulation, not a {stage} one",
+            field="model",
+        )
+    return listing.formulation
+
+
+def _load(path: Path) -> Listing:
+    try:
+        module = importlib.import_module(f"{formulations.__name__}.{path.stem}")
+        spec, build = module.SPEC, module.build
+        if not isinstance(spec, Spec) or not callable(build):
+            raise TypeError("SPEC is not a Spec, or build is not a function")  # noqa: TRY301
+    except Exception as error:
+        # A model file is the user's own code: whatever it raises is news about that file.
+        return Listing(
+            path.stem,
+            path,
+            error=_one_line(error),
+            details="".join(traceback.format_exception(error)),
+        )
+    mathematics = inspect.cleandoc(module.__doc__ or "")
+    return Listing(
+        path.stem, path, formulation=Formulation(path.stem, path, spec, mathematics, build)
+    )
+
+
+def _one_line(error: Exception) -> str:
+    if isinstance(error, SyntaxError):
+        return f"SyntaxError in line {error.lineno}: {error.msg}"
+    if isinstance(error, AttributeError):
+        return f"{error}; a model file has a SPEC and a function build(data)"
+    return f"{type(error).__name__}: {error}".splitlines()[0]

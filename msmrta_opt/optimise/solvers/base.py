@@ -1,0 +1,144 @@
+"""The contract of a solver: what it can do, and one function from arrays to an outcome."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from typing import Literal
+
+from ...mission.errors import InputError, SolverError
+from ..formulation import Floats
+from ..program import Program
+from ..solution import Status
+
+Ability = Literal[
+    "integer", "lp", "time_limit", "gap", "seed", "threads", "start", "verbose", "bound", "duals"
+]
+
+@dataclass(frozen=True)
+class Options:
+    """Options with one meaning for every solver. ``None`` leaves the solver's own default.
+
+    Parameters
+    ----------
+    time_limit : float, optional
+        Seconds of wall time.
+    gap : float, optional
+        Stop when the relative gap is at most this; the default asks for a proof of optimality.
+    seed : int, optional
+        Of the solver's random choices.
+    threads : int, optional
+        The default is one, so that answers can be repeated.
+    start : float array, shape (n_columns,), optional
+        A MIP start; NaN where it says nothing.
+    verbose : bool
+        Let the solver print its log.
+    """
+
+    time_limit: float | None = None
+    gap: float | None = None
+    seed: int | None = None
+    threads: int | None = None
+    start: Floats | None = None
+    verbose: bool = False
+
+    def __post_init__(self) -> None:
+        if self.time_limit is not None and not self.time_limit >= 0:
+            raise InputError(f"{self.time_limit}; give seconds, 0 or more", field="time_limit")
+        if self.gap is not None and not self.gap >= 0:
+            raise InputError(f"{self.gap}; give a relative gap, 0 or more", field="gap")
+        if self.threads is not None and self.threads < 1:
+            raise InputError(f"{self.threads}; give 1 or more", field="threads")
+        if self.seed is not None and not 0 <= self.seed < 2**31:
+            raise InputError(f"{self.seed}; give 0 to 2147483647", field="seed")
+
+    def given(self) -> dict[str, object]:
+        """The options that were set, a start only by the fact."""
+        chosen: dict[str, object] = {"start": True} if self.start is not None else {}
+        for name in ("time_limit", "gap", "seed", "threads"):
+            if (value := getattr(self, name)) is not None:
+                chosen[name] = value
+        return chosen | ({"verbose": True} if self.verbose else {})
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a solver said, in the program's own sense, before anybody checked it.
+
+    ``prices`` are LP duals in the convention of `check.dual_bound`.
+    """
+
+    status: Status
+    x: Floats | None = None
+    bound: float | None = None
+    nodes: int | None = None
+    prices: Floats | None = None
+    proof: str = ""
+    message: str = ""
+
+
+@cache
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
+
+
+@cache
+def _importable(module: str) -> bool:
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A way to solve programs, with declared abilities."""
+
+    name: str
+    title: str
+    package: str
+    """The distribution that provides it."""
+    module: str
+    """The module that must be importable."""
+    install: str
+    abilities: frozenset[Ability]
+    run: Callable[[Program, Options], Outcome] = field(compare=False, repr=False)
+    rank: int = 100
+    """Place in lists."""
+    available: Callable[[], bool] | None = field(default=None, compare=False, repr=False)
+    """A further condition beyond the module, for instance a licence."""
+
+    @property
+    def installed(self) -> bool:
+        """Whether it can be used here."""
+        return _importable(self.module) and (self.available is None or self.available())
+
+    @property
+    def version(self) -> str:
+        """The installed version, empty if there is none."""
+        return _version(self.package)
+
+    def solve(self, program: Program, options: Options) -> Outcome:
+        """Solve `program`; what the solver cannot do is refused by name.
+
+        Raises
+        ------
+        SolverError
+            If it is not installed, or an option or the program asks for what it cannot do.
+        """
+        if not self.installed:
+            raise SolverError(f"solver {self.name} is not installed; {self.install}")
+        for option in options.given():
+            if option not in self.abilities:
+                raise SolverError(f"solver {self.name} cannot do {option}")
+        if program.integer.any() and "integer" not in self.abilities:
+            raise SolverError(f"solver {self.name} cannot do integer programs")
+        if not program.integer.all() and "lp" not in self.abilities:
+            raise SolverError(f"solver {self.name} cannot do continuous variables")
+        return self.run(program, options)

@@ -1,0 +1,151 @@
+"""HiGHS: linear and mixed-integer programs, through highspy on the program's arrays."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..program import Program
+from .base import Options, Outcome, Solver
+
+if TYPE_CHECKING:
+    import highspy
+
+_threads_in_use: int | None = None
+
+
+def run(program: Program, options: Options) -> Outcome:
+    """Solve `program` with HiGHS; a continuous one by the simplex method, so at a vertex."""
+    import highspy
+
+    began = time.perf_counter()
+    highs = highspy.Highs()
+    _set_options(highs, options, integer=bool(program.integer.any()))
+    highs.passModel(_model(highspy, program))
+    if options.start is not None:
+        known = np.flatnonzero(np.isfinite(options.start))
+        highs.setSolution(len(known), known.astype(np.int32), options.start[known])
+    highs.run()
+    outcome = _outcome(highspy, highs, program)
+    if outcome.status == "error" and "or infeasible" in outcome.message:
+        return _unbounded_or_infeasible(program, options, began)
+    return outcome
+
+
+def _set_options(highs: Any, options: Options, *, integer: bool) -> None:
+    # HiGHS has one scheduler per process; a new number of threads needs a new scheduler.
+    global _threads_in_use  # noqa: PLW0603
+    threads = options.threads or 1
+    if _threads_in_use not in (None, threads):
+        highs.resetGlobalScheduler(True)
+    _threads_in_use = threads
+    values: dict[str, object] = {
+        "output_flag": options.verbose,
+        "threads": threads,
+        "random_seed": options.seed or 0,
+        # HiGHS stops at a relative gap of 1e-4 unless told otherwise.
+        "mip_rel_gap": options.gap or 0.0,
+        "mip_abs_gap": 0.0,
+    }
+    if not integer:
+        values["solver"] = "simplex"
+    if options.time_limit is not None:
+        values["time_limit"] = options.time_limit
+    for name, value in values.items():
+        highs.setOptionValue(name, value)
+
+
+def _model(highspy: Any, program: Program) -> highspy.HighsLp:
+    """The program as a minimisation: bounds of maximisations in HighsInfo have the other sign."""
+    model = highspy.HighsLp()
+    model.num_col_ = program.n_columns
+    model.num_row_ = program.n_rows
+    model.col_cost_ = program.sign * program.cost
+    model.col_lower_ = program.lower
+    model.col_upper_ = program.upper
+    model.row_lower_ = program.row_lower
+    model.row_upper_ = program.row_upper
+    model.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
+    model.a_matrix_.start_ = program.matrix.indptr
+    model.a_matrix_.index_ = program.matrix.indices
+    model.a_matrix_.value_ = program.matrix.data
+    if program.integer.any():
+        kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
+        model.integrality_ = [kinds[int(integer)] for integer in program.integer]
+    return model
+
+
+def _outcome(highspy: Any, highs: Any, program: Program) -> Outcome:
+    model_status = highs.getModelStatus()
+    info = highs.getInfo()
+    integer = bool(program.integer.any())
+    # At a limit HiGHS reports a value and a point even where it has no feasible one.
+    has_point = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
+    x = np.array(highs.getSolution().col_value) if has_point else None
+    nodes = max(int(info.mip_node_count), 0) if integer else None
+    name = highs.modelStatusToString(model_status)
+    statuses = highspy.HighsModelStatus
+    if model_status in (statuses.kOptimal, statuses.kModelEmpty):
+        if x is None:
+            x = np.zeros(program.n_columns)
+        if not integer:
+            prices = np.array(highs.getSolution().row_dual)
+            return Outcome("optimal", x, prices=prices, proof="LP duality", message=name)
+        bound = _own_bound(program, info.mip_dual_bound)
+        return Outcome("optimal", x, bound, nodes, proof="branch and bound", message=name)
+    if model_status == statuses.kInfeasible:
+        return Outcome("infeasible", nodes=nodes, message=name)
+    if model_status == statuses.kUnbounded:
+        return Outcome("unbounded", x, nodes=nodes, message=name)
+    if model_status == statuses.kUnboundedOrInfeasible:
+        return Outcome("error", message="unbounded or infeasible")
+    stopped = (
+        statuses.kTimeLimit,
+        statuses.kInterrupt,
+        statuses.kSolutionLimit,
+        statuses.kIterationLimit,
+        statuses.kObjectiveBound,
+        statuses.kObjectiveTarget,
+        statuses.kHighsInterrupt,
+        statuses.kMemoryLimit,
+    )
+    if model_status in stopped:
+        bound = _own_bound(program, info.mip_dual_bound) if integer else None
+        status = "no_solution" if x is None else "feasible"
+        return Outcome(status, x, bound, nodes, proof="branch and bound", message=name)
+    return Outcome("error", message=f"HiGHS: {name}")
+
+
+def _own_bound(program: Program, bound: float) -> float | None:
+    return program.sign * bound + program.offset if np.isfinite(bound) else None
+
+
+def _unbounded_or_infeasible(program: Program, options: Options, began: float) -> Outcome:
+    """Tell the two apart: without a cost, only infeasibility remains."""
+    left = options.time_limit
+    if left is not None:
+        left = max(left - (time.perf_counter() - began), 0.0)
+    costless = replace(program, cost=np.zeros(program.n_columns))
+    answer = run(costless, replace(options, time_limit=left, start=None))
+    if answer.status == "optimal":
+        return Outcome("unbounded", answer.x, message="unbounded")
+    if answer.status == "infeasible":
+        return answer
+    return Outcome("no_solution", message="unbounded or infeasible, and stopped before it was known")
+
+
+SOLVER = Solver(
+    name="highs",
+    title="HiGHS, simplex and branch and bound",
+    package="highspy",
+    module="highspy",
+    install="pip install highspy",
+    abilities=frozenset(
+        ["integer", "lp", "time_limit", "gap", "seed", "threads", "start", "verbose", "bound", "duals"]
+    ),
+    run=run,
+    rank=1,
+)

@@ -1,0 +1,210 @@
+"""What the matrix of a program proves about it, whatever the program is called.
+
+An integer program whose rows are totally unimodular and whose bounds are integral is solved exactly
+by its linear relaxation. Recognised here, from the matrix alone:
+
+- *bipartite*: each column has at most two entries, all 1, in rows of two kinds that never meet
+  within a kind (assignment, semi-assignment, transport), besides rows that hold every column (a
+  cardinality): such rows and those of either kind form two laminar families (Edmonds 1970);
+- *network*: entries ±1, at most two per column, and rows that can be split so that equal signs of
+  a column fall on different sides and unequal ones on the same side (Heller and Tompkins 1956);
+  the same of the transposed matrix;
+- *interval*: the ones of each column (or of each row) stand in consecutive places (Fulkerson and
+  Gross 1965), in the order in which the program has them.
+
+Rows with a single entry are bounds, and columns fixed by their bounds are left out, before any of
+this is asked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.csgraph import connected_components
+
+from .formulation import Bools, Floats, Ints
+from .program import Program
+
+Kind = Literal["bipartite", "network", "interval"]
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """A proof that a program's relaxation has only integral vertices.
+
+    Parameters
+    ----------
+    kind : str
+        Which of the module's patterns the rows follow.
+    description : str
+        The proof in a phrase, for people.
+    core : Core
+        The rows and columns that the proof is about.
+    side : int array, shape (n_core_rows,), optional
+        For *bipartite*: 0 and 1 for rows of the two kinds, 2 for rows with every column.
+    """
+
+    kind: Kind
+    description: str
+    core: Core
+    side: Ints | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Core:
+    """A program without its single-entry rows and its fixed columns.
+
+    ``rows`` and ``columns`` are positions in the program; bounds are those of the core.
+    """
+
+    rows: Ints
+    columns: Ints
+    matrix: csr_array
+    row_lower: Floats
+    row_upper: Floats
+    lower: Floats
+    upper: Floats
+    fixed: Floats
+    """Values of all the program's columns; those of the core are 0."""
+
+
+def recognise(program: Program) -> Structure | None:
+    """The structure that proves `program` integral, or ``None`` if none is recognised."""
+    core = _core(program)
+    if core is None:
+        return None
+    ends = np.concatenate([core.row_lower, core.row_upper, core.lower, core.upper])
+    finite = ends[np.isfinite(ends)]
+    if np.any(finite != np.round(finite)) or np.any(np.abs(core.matrix.data) != 1):
+        return None
+    return _bipartite(core) or _network(core) or _interval(core)
+
+
+def _core(program: Program) -> Core | None:
+    """The program without single-entry rows and fixed columns; ``None`` if bounds cross."""
+    matrix = program.matrix.copy()
+    matrix.eliminate_zeros()
+    lower, upper = program.lower.copy(), program.upper.copy()
+    entries = np.diff(matrix.indptr)
+    single = np.flatnonzero(entries == 1)
+    if single.size:
+        at = matrix.indptr[single]
+        column, factor = matrix.indices[at], matrix.data[at]
+        ends = np.stack([program.row_lower[single] / factor, program.row_upper[single] / factor])
+        np.maximum.at(lower, column, ends.min(axis=0))
+        np.minimum.at(upper, column, ends.max(axis=0))
+    # An integer column reaches only the integers between its bounds.
+    lower = np.where(program.integer, np.ceil(lower - 1e-9), lower)
+    upper = np.where(program.integer, np.floor(upper + 1e-9), upper)
+    if np.any(lower > upper):
+        return None
+    is_fixed = lower == upper
+    fixed = np.where(is_fixed, lower, 0.0)
+    columns = np.flatnonzero(~is_fixed)
+    shift = matrix @ fixed
+    inner = matrix[:, columns].tocsr() if is_fixed.any() else matrix
+    rows = np.flatnonzero((entries != 1) & (np.diff(inner.indptr) > 0))
+    inner = inner[rows] if len(rows) < matrix.shape[0] else inner
+    return Core(
+        rows,
+        columns,
+        inner,
+        program.row_lower[rows] - shift[rows],
+        program.row_upper[rows] - shift[rows],
+        lower[columns],
+        upper[columns],
+        fixed,
+    )
+
+
+def _bipartite(core: Core) -> Structure | None:
+    # A row may be written with the other sign throughout; only mixed signs are another matter.
+    sign = _row_signs(core.matrix)
+    if sign is None:
+        return None
+    n_rows, n_columns = core.matrix.shape
+    everything = np.diff(core.matrix.indptr) == n_columns
+    some = np.flatnonzero(~everything)
+    by_column: csc_array = abs(core.matrix[some]).tocsc()
+    entries = np.diff(by_column.indptr)
+    if entries.size and entries.max() > 2:
+        return None
+    first = by_column.indices[by_column.indptr[:-1][entries == 2]]
+    second = by_column.indices[by_column.indptr[:-1][entries == 2] + 1]
+    colour = _two_colours(len(some), first, second, np.ones(len(first), dtype=bool))
+    if colour is None:
+        return None
+    side = np.full(n_rows, 2, dtype=np.int64)
+    side[some] = colour
+    both = entries.size > 0 and bool(np.any(entries == 2))
+    what = "bipartite assignment rows" if both else "semi-assignment rows"
+    if everything.any():
+        what += " and a cardinality"
+    return Structure("bipartite", f"{what}: totally unimodular", core, side)
+
+
+def _row_signs(matrix: csr_array) -> Floats | None:
+    """The common sign of each row's entries, or ``None`` if a row has both."""
+    positive = np.asarray((matrix > 0).sum(axis=1)).ravel()
+    entries = np.diff(matrix.indptr)
+    if np.any((positive != 0) & (positive != entries)):
+        return None
+    return np.where(positive > 0, 1.0, -1.0)
+
+
+def _network(core: Core) -> Structure | None:
+    for matrix, what in ((core.matrix, "columns"), (core.matrix.T, "rows")):
+        by_column = csc_array(matrix)
+        entries = np.diff(by_column.indptr)
+        if entries.size and entries.max() > 2:
+            continue
+        at = by_column.indptr[:-1][entries == 2]
+        first, second = by_column.indices[at], by_column.indices[at + 1]
+        differ = by_column.data[at] == by_column.data[at + 1]
+        if _two_colours(by_column.shape[0], first, second, differ) is not None:
+            description = f"network rows, by {what} with two entries: totally unimodular"
+            return Structure("network", description, core)
+    return None
+
+
+def _interval(core: Core) -> Structure | None:
+    if np.any(core.matrix.data < 0):
+        return None
+    for matrix, what in ((core.matrix, "row"), (core.matrix.T, "column")):
+        lines = csr_array(matrix)
+        lines.sort_indices()
+        starts, ends = lines.indptr[:-1], lines.indptr[1:]
+        full = ends > starts
+        span = lines.indices[ends[full] - 1] - lines.indices[starts[full]] + 1
+        if np.array_equal(span, (ends - starts)[full]):
+            description = f"interval rows, ones of each {what} consecutive: totally unimodular"
+            return Structure("interval", description, core)
+    return None
+
+
+def _two_colours(n: int, first: Ints, second: Ints, differ: Bools) -> Ints | None:
+    """Colours 0 and 1 of `n` nodes such that the ends of each edge differ where ``differ`` says
+    so and agree elsewhere, or ``None`` if there are none.
+
+    In the double cover a node is joined to another's copy where they differ; colours exist if and
+    only if no node is connected to its own copy.
+    """
+    other = np.where(differ, second + n, second)
+    mirror = np.where(differ, second, second + n)
+    ends = (np.concatenate([first, first + n]), np.concatenate([other, mirror]))
+    cover = csr_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(2 * n, 2 * n))
+    _, part = connected_components(cover, directed=False)
+    if np.any(part[:n] == part[n:]):
+        return None
+    return (part[:n] > part[n:]).astype(np.int64)
+
+
+def integral_relaxation(program: Program, structure: Structure) -> Program:
+    """The linear program that `structure` proves to have integral vertices."""
+    core = structure.core
+    lower, upper = program.lower.copy(), program.upper.copy()
+    lower[core.columns], upper[core.columns] = core.lower, core.upper
+    return replace(program.relaxed(), lower=lower, upper=upper)

@@ -1,0 +1,32 @@
+"""Pictures of missions and plans, after the paper's Fig. 2: scouting, assignment, paths, and a Gantt.
+
+Every ``plot_x(..., ax=None)`` draws into the axes it is given, or into a figure of its own, and
+returns the axes; `plot_mission` composes them and returns the figure. Figures made here belong to
+the caller alone: pyplot does not know them, no global setting changes, no display is needed. In a
+notebook, what these functions return shows itself as the last value of a cell.
+
+A robot keeps its colour in every picture (`robot_colour`). Names on the pictures are short: R0 is the
+robot with id 0, S0 a scout, v0 a victim, C0 a cluster.
+"""
+
+from .assignment import plot_assignment
+from .canvas import plot_map
+from .gantt import plot_gantt
+from .mission import plot_mission
+from .paths import plot_paths
+from .saving import FORMATS, save_figure
+from .scouting import plot_coverage, plot_scouting
+from .style import robot_colour
+
+__all__ = [
+    "FORMATS",
+    "plot_assignment",
+    "plot_coverage",
+    "plot_gantt",
+    "plot_map",
+    "plot_mission",
+    "plot_paths",
+    "plot_scouting",
+    "robot_colour",
+    "save_figure",
+]

@@ -1,0 +1,390 @@
+"""The map that everything is drawn on, and the few drawing tools that all pictures share.
+
+Sizes of marks and letters follow from how many points a cell gets, so that small maps are not
+drowned and large ones stay legible. What stands on one cell shares it: see `draw_stamps`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
+from numpy.typing import NDArray
+
+from ..mission.grid import Cell, GridMap
+from .style import FAINT, INK, WALL, RobotStyle
+
+LEGEND_FONT = 7.5
+POINTS_PER_INCH = 72
+HALO = withStroke(linewidth=1.6, foreground="white")
+CASING = 0.7
+"""Points by which a dark line stands out under a coloured one, so that pale colours read too."""
+
+
+class Picture(Figure):
+    """A figure that pyplot does not keep, and that shows itself in a notebook."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = BytesIO()
+        self.savefig(buffer, format="png", dpi=110)
+        return buffer.getvalue()
+
+
+class PictureAxes(Axes):
+    """Axes alone in a `Picture`, which show it in a notebook."""
+
+    def _repr_png_(self) -> bytes | None:
+        return self.figure._repr_png_() if isinstance(self.figure, Picture) else None
+
+
+def own_axes(width: float, height: float) -> Axes:
+    """Axes in a new figure of `width` × `height` inches."""
+    figure = Picture(figsize=(width, height), layout="constrained")
+    return figure.add_subplot(axes_class=PictureAxes)
+
+
+def map_axes(grid: GridMap, *, crowded: bool = False) -> Axes:
+    """Axes in a new figure that suits `grid`, with room for a legend below."""
+    width, height = panel_size(grid, crowded=crowded)
+    return own_axes(width + 0.6, height + 1.6)
+
+
+def panel_size(grid: GridMap, *, crowded: bool = False) -> tuple[float, float]:
+    """Inches, ``(width, height)``, in which `grid` is legible."""
+    n_rows, n_cols = grid.shape
+    longest = max(n_rows, n_cols)
+    side = float(np.clip(0.25 * longest, 6.0 if crowded else 4.8, 7.0))
+    # A strip of a map is not drawn thinner than titles and legends need.
+    return max(side * n_cols / longest, 3.4), max(side * n_rows / longest, 1.2)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Sizes, in points, that suit a map in the axes it is drawn in."""
+
+    cell: float
+    """Side of a cell."""
+    mark: float
+    """Diameter of a mark."""
+    font: float
+    """Letters beside marks."""
+    line: float
+    """Width of a walked line."""
+
+    @classmethod
+    def of(cls, ax: Axes, grid: GridMap) -> Scale:
+        """The scale of `grid` drawn in `ax`."""
+        width, height = size_of(ax)
+        n_rows, n_cols = grid.shape
+        cell = max(min(width / n_cols, height / n_rows), 0.1)
+        return cls(
+            cell=cell,
+            mark=float(np.clip(0.48 * cell, 6.5, 10.0)),
+            font=float(np.clip(0.36 * cell, 5.0, 7.5)),
+            line=float(np.clip(0.09 * cell, 0.9, 1.8)),
+        )
+
+
+def size_of(ax: Axes) -> tuple[float, float]:
+    """Width and height of `ax` in points, as far as known before the layout."""
+    box = ax.get_window_extent().transformed(ax.figure.dpi_scale_trans.inverted())
+    return box.width * POINTS_PER_INCH, box.height * POINTS_PER_INCH
+
+
+def plot_map(grid: GridMap, ax: Axes | None = None) -> Axes:
+    """Draw the walls of `grid`, row 0 on top.
+
+    Parameters
+    ----------
+    grid : GridMap
+        The map.
+    ax : Axes, optional
+        Where to draw; a figure of its own by default.
+
+    Returns
+    -------
+    Axes
+        Column on x and row on y, in cells; the cell ``(row, col)`` is centred on ``(col, row)``.
+    """
+    ax = map_axes(grid) if ax is None else ax
+    n_rows, n_cols = grid.shape
+    ax.imshow(
+        ~grid.free, cmap=ListedColormap(["white", WALL]), vmin=0, vmax=1, interpolation="none"
+    )
+    if Scale.of(ax, grid).cell > 6:
+        for edges, lines in ((np.arange(1, n_rows), ax.hlines), (np.arange(1, n_cols), ax.vlines)):
+            far = (n_cols if lines == ax.hlines else n_rows) - 0.5
+            lines(edges - 0.5, -0.5, far, colors="#E9E9E9", linewidths=0.4, zorder=0.5)
+    ax.set(xlim=(-0.5, n_cols - 0.5), ylim=(n_rows - 0.5, -0.5), aspect="equal")
+    ax.set_xlabel("column (cells)", fontsize=8)
+    ax.set_ylabel("row (cells)", fontsize=8)
+    ax.tick_params(labelsize=7)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(nbins=10, integer=True, min_n_ticks=1))
+    ax.set_title(f"Map {grid.name}".rstrip(), fontsize=10)
+    return ax
+
+
+# Marks on cells
+
+
+@dataclass(frozen=True)
+class Stamp:
+    """One mark on a cell, with a word inside; without a marker, the word in a rounded box."""
+
+    cell: Cell
+    face: str
+    text: str = ""
+    marker: str = ""
+    ink: str = "white"
+    edge: str = INK
+
+
+def robot_stamp(cell: Cell, robot: int, style: RobotStyle, *, marker: str = "") -> Stamp:
+    """The start of a robot, or with a marker one of its visits."""
+    text = str(robot) if marker else f"R{robot}"
+    return Stamp(cell, style.colour, text, marker, ink=style.ink)
+
+
+def draw_stamps(
+    ax: Axes, stamps: Iterable[Stamp], captions: Mapping[Cell, str], scale: Scale
+) -> None:
+    """Draw marks on cells, those of one cell side by side below the cell's caption."""
+    by_cell: dict[Cell, list[Stamp]] = {cell: [] for cell in captions}
+    for stamp in stamps:
+        by_cell.setdefault(stamp.cell, []).append(stamp)
+    for cell, group in by_cell.items():
+        caption = captions.get(cell, "")
+        offsets = side_by_side(len(group), scale.mark * 1.08)
+        if caption:
+            offsets -= (0, 0.28 * scale.font + 0.05 * scale.mark)
+            top = offsets[:, 1].max(initial=0) + 0.5 * scale.mark
+            _write(ax, cell, caption, (0, top + 0.5 * scale.font), scale.font, INK, bold=True)
+        for stamp, offset in zip(group, offsets, strict=True):
+            _stamp(ax, stamp, offset, scale)
+
+
+def side_by_side(count: int, pitch: float) -> NDArray[np.float64]:
+    """Offsets of `count` marks around a cell's centre, in points, shape ``(count, 2)``."""
+    columns = max(int(np.ceil(np.sqrt(count))), min(count, 2))
+    offsets = np.zeros((count, 2))
+    n_lines = -(-count // columns) if count else 0
+    for i in range(count):
+        line, position = divmod(i, columns)
+        in_line = min(columns, count - line * columns)
+        offsets[i] = position - (in_line - 1) / 2, (n_lines - 1) / 2 - line
+    return offsets * pitch
+
+
+def _stamp(ax: Axes, stamp: Stamp, offset: NDArray[np.float64], scale: Scale) -> None:
+    row, col = stamp.cell
+    if not stamp.marker:
+        _pill(ax, stamp, offset, scale)
+        return
+    dx, dy = offset / POINTS_PER_INCH
+    shifted = ax.transData + ScaledTranslation(dx, dy, ax.figure.dpi_scale_trans)
+    drawn_by_stroke = stamp.marker in ("x", "+")
+    (mark,) = ax.plot(
+        [col],
+        [row],
+        linestyle="",
+        marker=stamp.marker,
+        markersize=scale.mark * (0.75 if drawn_by_stroke else 1),
+        markerfacecolor=stamp.face,
+        markeredgecolor=stamp.face if drawn_by_stroke else stamp.edge,
+        markeredgewidth=1.5 if drawn_by_stroke else 0.5,
+        transform=shifted,
+        zorder=6,
+    )
+    # Marks lie inside the axes: leaving them out spares the layout hundreds of measurements.
+    mark.set_in_layout(False)
+    if stamp.text:
+        # The middle of a triangle lies off the middle of its box.
+        lift = {"^": -0.1, "v": 0.1}.get(stamp.marker, 0.0) * scale.mark
+        size = scale.mark * (0.68 if len(stamp.text) < 2 else 0.54)
+        _write(ax, stamp.cell, stamp.text, (offset[0], offset[1] + lift), size, stamp.ink)
+
+
+def _pill(ax: Axes, stamp: Stamp, offset: NDArray[np.float64], scale: Scale) -> None:
+    row, col = stamp.cell
+    text = ax.annotate(
+        stamp.text,
+        (col, row),
+        xytext=(float(offset[0]), float(offset[1])),
+        textcoords="offset points",
+        ha="center",
+        va="center_baseline",
+        fontsize=scale.mark * 0.62,
+        fontweight="bold",
+        color=stamp.ink,
+        bbox={"boxstyle": "round,pad=0.22", "fc": stamp.face, "ec": stamp.edge, "lw": 0.7},
+        zorder=5.5,
+    )
+    text.set_in_layout(False)
+
+
+def _write(
+    ax: Axes,
+    cell: tuple[float, float],
+    text: str,
+    offset: tuple[float, float],
+    size: float,
+    ink: str,
+    *,
+    bold: bool = False,
+) -> None:
+    row, col = cell
+    artist = ax.annotate(
+        text,
+        (col, row),
+        xytext=offset,
+        textcoords="offset points",
+        ha="center",
+        va="center_baseline",
+        fontsize=size,
+        color=ink,
+        fontweight="bold" if bold else "normal",
+        path_effects=[HALO] if bold else [],
+        zorder=7,
+    )
+    artist.set_in_layout(False)
+
+
+def captions_of(cells: Mapping[int, Cell]) -> dict[Cell, str]:
+    """What to write on the cells of victims, given by id: ``v3``, or ``v3,7`` for two on one."""
+    on_cell: dict[Cell, list[int]] = {}
+    for victim, cell in cells.items():
+        on_cell.setdefault(cell, []).append(victim)
+    return {cell: "v" + ",".join(map(str, victims)) for cell, victims in on_cell.items()}
+
+
+# Walks
+
+
+def lanes(count: int, scale: Scale) -> NDArray[np.float64]:
+    """Sideways shifts, in cells, that keep `count` walks over the same cells apart."""
+    step = min(0.6 / max(count - 1, 1), 2.2 * scale.line / scale.cell)
+    shifts: NDArray[np.float64] = (np.arange(count) - (count - 1) / 2) * step
+    return shifts
+
+
+def draw_walk(
+    ax: Axes, cells: Sequence[Cell], shift: float, colour: str, line: object, width: float
+) -> None:
+    """Draw a walk over `cells`, shifted down and right by `shift` cells."""
+    if len(cells) < 2:
+        return
+    rows, cols = np.array(cells, dtype=float).T + shift
+    ends = {"solid_joinstyle": "round", "solid_capstyle": "round", "dash_capstyle": "butt"}
+    ax.plot(cols, rows, color=INK, lw=width + CASING, ls=line, zorder=3, **ends)
+    ax.plot(cols, rows, color=colour, lw=width, ls=line, zorder=3.1, **ends)
+
+
+# Labels and legends
+
+
+def free_spot(
+    near: tuple[float, float],
+    size: tuple[float, float],
+    taken: Sequence[tuple[float, float, float, float]],
+    shape: tuple[int, int],
+) -> tuple[float, float]:
+    """Where a label covers least, and among such places the nearest to where it belongs.
+
+    Parameters
+    ----------
+    near : (row, col)
+        Where the label belongs, in cells.
+    size : (height, width)
+        Of the label, in cells.
+    taken : sequence of (row, col, height, width)
+        Boxes that should stay visible, by their centres.
+    shape : (n_rows, n_cols)
+        The map, which the label should not leave.
+
+    Returns
+    -------
+    (row, col)
+        The label's centre.
+    """
+    height, width = size
+    reach = 2.0 + 2 * max(size)
+    steps = np.linspace(-reach, reach, 81)
+    rows, cols = (axis.ravel() for axis in np.meshgrid(near[0] + steps, near[1] + steps))
+    cost = 1e-3 * np.hypot(rows - near[0], cols - near[1])
+    for centres, extent, n in ((rows, height, shape[0]), (cols, width, shape[1])):
+        outside = np.maximum(centres + extent / 2 - (n - 0.5), -0.5 - (centres - extent / 2))
+        cost += 10 * np.maximum(outside, 0)
+    for row, col, box_height, box_width in taken:
+        overlap_rows = np.maximum((height + box_height) / 2 - np.abs(rows - row), 0)
+        overlap_cols = np.maximum((width + box_width) / 2 - np.abs(cols - col), 0)
+        cost += np.minimum(overlap_rows, height) * np.minimum(overlap_cols, width)
+    best = int(cost.argmin())
+    return float(rows[best]), float(cols[best])
+
+
+def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
+    """A legend under the axes and its x label, in as many columns as fit."""
+    if not handles:
+        return
+    longest = max(len(str(handle.get_label())) for handle in handles)
+    width, _ = size_of(ax)
+    columns = int(np.clip(width // (longest * 0.55 * LEGEND_FONT + 34), 1, len(handles)))
+    ax.legend(
+        handles=handles,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0),
+        borderaxespad=4.6,  # in font sizes: clears tick labels and the axis label
+        ncols=columns,
+        fontsize=LEGEND_FONT,
+        frameon=False,
+        handlelength=1.8,
+        columnspacing=1.4,
+    )
+
+
+def mark_handle(marker: str, label: str, *, face: str = FAINT, edge: str = INK) -> Line2D:
+    """A legend entry that shows a marker."""
+    stroke = marker in ("x", "+")
+    return Line2D(
+        [],
+        [],
+        linestyle="",
+        marker=marker,
+        markersize=7 if not stroke else 6,
+        markerfacecolor=face,
+        markeredgecolor=face if stroke else edge,
+        markeredgewidth=1.5 if stroke else 0.6,
+        label=label,
+    )
+
+
+def robot_handles(
+    styles: Mapping[int, RobotStyle], words: Mapping[int, str] | None = None
+) -> list[Line2D]:
+    """Legend entries of robots: ``R0``, or ``R0: …`` with words for them."""
+    return [
+        Line2D(
+            [],
+            [],
+            color=style.colour,
+            linestyle=style.line,
+            linewidth=2,
+            marker="s",
+            markersize=7,
+            markeredgecolor=INK,
+            markeredgewidth=0.5,
+            label=f"R{robot}: {words[robot]}" if words else f"R{robot}",
+        )
+        for robot, style in styles.items()
+    ]
