@@ -1,1 +1,103 @@
-"""An operations researcher's workbench for multi-robot task assignment in search and rescue."""
+"""An operations researcher's workbench for multi-robot task assignment in search and rescue.
+
+    >>> import msmrta_opt as mo
+    >>> plan = mo.plan(mo.read("instances/paper.json"), psi=0.95)
+    >>> plan.metrics.served_share
+    1.0
+
+Public names are loaded on first use, so that importing the package costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Instance": "mission.instance",
+    "Robot": "mission.instance",
+    "Victim": "mission.instance",
+    "Scout": "mission.instance",
+    "json_schema": "mission.instance",
+    "GridMap": "mission.grid",
+    "DistanceTable": "mission.grid",
+    "read_map": "mission.maps",
+    "Plan": "mission.plan",
+    "Metrics": "mission.metrics",
+    "check_plan": "mission.check",
+    "random_mission": "mission.generate",
+    "MsmrtaError": "mission.errors",
+    "InputError": "mission.errors",
+    "ModelError": "mission.errors",
+    "SolverError": "mission.errors",
+    "CheckError": "mission.errors",
+    "Spec": "optimise.formulation",
+    "Parameter": "optimise.formulation",
+    "ClusterData": "optimise.formulation",
+    "VictimData": "optimise.formulation",
+    "Solution": "optimise.solution",
+    "solve": "optimise.solve",
+    "add_models": "optimise.registry",
+    "reload_models": "optimise.registry",
+    "plan": "planners",
+    "planners": "planners",
+    "scout": "stages.scouting:scouting",
+}
+_MODULES = ("plots",)
+
+__all__ = ["__version__", "read", *_HOME, *_MODULES]
+
+if TYPE_CHECKING:
+    from . import plots as plots
+    from .mission.check import check_plan as check_plan
+    from .mission.errors import CheckError as CheckError
+    from .mission.errors import InputError as InputError
+    from .mission.errors import ModelError as ModelError
+    from .mission.errors import MsmrtaError as MsmrtaError
+    from .mission.errors import SolverError as SolverError
+    from .mission.generate import random_mission as random_mission
+    from .mission.grid import DistanceTable as DistanceTable
+    from .mission.grid import GridMap as GridMap
+    from .mission.instance import Instance as Instance
+    from .mission.instance import Robot as Robot
+    from .mission.instance import Scout as Scout
+    from .mission.instance import Victim as Victim
+    from .mission.instance import json_schema as json_schema
+    from .mission.maps import read_map as read_map
+    from .mission.metrics import Metrics as Metrics
+    from .mission.plan import Plan as Plan
+    from .optimise.formulation import ClusterData as ClusterData
+    from .optimise.formulation import Parameter as Parameter
+    from .optimise.formulation import Spec as Spec
+    from .optimise.formulation import VictimData as VictimData
+    from .optimise.registry import add_models as add_models
+    from .optimise.registry import reload_models as reload_models
+    from .optimise.solution import Solution as Solution
+    from .optimise.solve import solve as solve
+    from .planners import plan as plan
+    from .planners import planners as planners
+    from .stages.scouting import scouting as scout
+
+
+def read(path: str) -> Instance:
+    """Read an instance file; see `Instance.read`."""
+    from .mission.instance import Instance
+
+    return Instance.read(path)
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return importlib.import_module(f".{name}", __name__)
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module, _, attribute = _HOME[name].partition(":")
+    value = getattr(importlib.import_module(f".{module}", __name__), attribute or name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -3,39 +3,27 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
 
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Patch, Polygon
-from numpy.typing import NDArray
+from matplotlib.patches import Patch
 
-from ..mission.grid import Cell
-from ..mission.plan import Cluster, Plan
+from ..mission.plan import Plan
 from .canvas import (
     Scale,
     Stamp,
     captions_of,
     draw_stamps,
-    free_spot,
     legend_below,
     map_axes,
     mark_handle,
     plot_map,
     robot_handles,
-    robot_stamp,
+    start_stamp,
+    visit_stamp,
 )
-from .style import (
-    INK,
-    NOBODY,
-    REASONS,
-    STAGES,
-    RobotStyle,
-    robot_style,
-    robot_styles,
-    stage_shapes,
-)
+from .clusters import draw_centres, draw_outlines
+from .style import FAINT, INK, REASONS, STAGES, robot_styles, stage_shapes
 
 
 def plot_assignment(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) -> Axes:
@@ -61,64 +49,69 @@ def plot_assignment(plan: Plan, ax: Axes | None = None, *, robot_key: bool = Tru
     instance = plan.instance
     ax = map_axes(instance.map, crowded=instance.n_victims > 50) if ax is None else ax
     plot_map(instance.map, ax)
-    scale = Scale.of(ax, instance.map)
-    styles, shapes = robot_styles(instance), stage_shapes(plan)
+    ax.set_title(f"Assignment\n{_summary(plan)}", fontsize=10)
+    scale, styles = Scale.of(ax, instance.map), robot_styles(instance)
     cell_of = {victim.id: victim.cell for victim in instance.victims}
 
-    starts = [robot_stamp(r.start, r.id, styles[r.id]) for r in instance.robots]
-    marks = _marks(plan, styles, shapes)
-    idle = [v.cell for v in instance.victims if v.cell not in {mark.cell for mark in marks}]
-    marks += [Stamp(cell, "white", marker="o") for cell in idle]
-    draw_stamps(ax, starts + marks, captions_of(cell_of), scale)
-
-    draw_clusters(ax, plan, scale)
+    marks = _visits(plan) + _unserved(plan)
+    marked = {mark.cell for mark in marks}
+    idle = [Stamp(cell, "white", marker="o") for cell in cell_of.values() if cell not in marked]
+    starts = [start_stamp(r.start, r.id, styles[r.id]) for r in instance.robots]
+    draw_outlines(ax, plan)
+    taken = draw_stamps(ax, [*starts, *marks, *idle], captions_of(cell_of), scale)
+    draw_centres(ax, plan, scale, taken)
     deferred = [cell_of[victim] for cluster in plan.clusters for victim in cluster.deferred]
     for row, col in deferred:
-        ax.plot(
-            col, row, "o",
-            ms=max(1.05 * scale.cell, 2.2 * scale.mark), mfc="none", mec=INK, mew=1.0, ls="",
-            zorder=5,
-        )[0].set_in_layout(False)  # fmt: skip
+        size = max(1.1 * scale.cell, 2.2 * scale.mark)
+        ax.plot(col, row, "o", ms=size, mfc="none", mec=INK, mew=0.9, zorder=5)
 
-    handles = [mark_handle(shape, STAGES.get(name, name)) for name, shape in shapes.items()]
-    reasons = Counter(item.reason for item in plan.unserved)
-    handles += [
-        mark_handle(REASONS[reason], f"unserved: {reason} ({reasons[reason]})", face=INK)
-        for reason in REASONS
-        if reasons[reason]
-    ]
-    if deferred:
-        handles.append(mark_handle("o", "deferred by the wall check", face="none"))
-    if idle:
-        handles.append(mark_handle("o", "victim without a visit", face="white"))
-    legend: list[Artist] = [*handles]
-    if plan.clusters:
-        legend.append(Patch(fc="#DDDDDD", ec=FAINT_EDGE, label="cluster → its robot (grey: none)"))
+    handles = _handles(plan, idle=bool(idle), deferred=bool(deferred))
     if robot_key:
-        legend += robot_handles(styles)
-    ax.set_title(f"Assignment\n{_summary(plan)}", fontsize=10)
-    legend_below(ax, legend)
+        handles += robot_handles(styles)
+    marked_by = "shape of a mark: stage; its colour and number: robot" if stage_shapes(plan) else ""
+    legend_below(ax, handles, title=marked_by)
     return ax
-
-
-FAINT_EDGE = "#8A8A8A"
 
 
 def _summary(plan: Plan) -> str:
     figures = plan.metrics
+    unavailable = figures.n_requirements - figures.n_available
     served = f"{figures.n_served} of {figures.n_available} available requirements served"
-    return f"{served}, {figures.n_requirements - figures.n_available} unavailable"
+    return f"{served}, {unavailable} unavailable" if unavailable else served
 
 
-def _marks(
-    plan: Plan, styles: Mapping[int, RobotStyle], shapes: Mapping[str, str]
-) -> list[Stamp]:
-    """One mark per visit and one per victim and reason of what stays unserved."""
+def _visits(plan: Plan) -> list[Stamp]:
+    """One mark per visit."""
+    styles, shapes = robot_styles(plan.instance), stage_shapes(plan)
     cell_of = {victim.id: victim.cell for victim in plan.instance.victims}
-    visits = [
-        robot_stamp(cell_of[visit.victim], route.robot, styles[route.robot], marker=shapes[visit.stage])
+    return [
+        visit_stamp(cell_of[visit.victim], route.robot, styles[route.robot], shapes[visit.stage])
         for route in plan.routes
         for visit in route.visits
     ]
-    open_ = dict.fromkeys((item.victim, item.reason) for item in plan.unserved)
-    return visits + [Stamp(cell_of[v], INK, marker=REASONS[reason]) for v, reason in open_]
+
+
+def _unserved(plan: Plan) -> list[Stamp]:
+    """One mark per victim and reason for which a requirement of it stays unserved."""
+    cell_of = {victim.id: victim.cell for victim in plan.instance.victims}
+    pairs = dict.fromkeys((item.victim, item.reason) for item in plan.unserved)
+    return [Stamp(cell_of[v], INK, marker=REASONS[reason]) for v, reason in pairs]
+
+
+def _handles(plan: Plan, *, idle: bool, deferred: bool) -> list[Artist]:
+    handles: list[Artist] = [
+        mark_handle(shape, STAGES.get(name, name)) for name, shape in stage_shapes(plan).items()
+    ]
+    counts = Counter(item.reason for item in plan.unserved)
+    handles += [
+        mark_handle(marker, f"unserved: {reason} ({counts[reason]})", face=INK)
+        for reason, marker in REASONS.items()
+        if counts[reason]
+    ]
+    if deferred:
+        handles.append(mark_handle("o", "ring: deferred by the wall check", face="none"))
+    if idle:
+        handles.append(mark_handle("o", "victim without a visit", face="white"))
+    if plan.clusters:
+        handles.append(Patch(fc="#E4E4E4", ec=FAINT, label="cluster → robot that took it"))
+    return handles

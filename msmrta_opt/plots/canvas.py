@@ -27,6 +27,8 @@ from .style import FAINT, INK, WALL, RobotStyle
 LEGEND_FONT = 7.5
 POINTS_PER_INCH = 72
 HALO = withStroke(linewidth=1.6, foreground="white")
+Box = tuple[float, float, float, float]
+"""A box on the map in cells: ``(row, col)`` of its centre, height, width."""
 CASING = 0.7
 """Points by which a dark line stands out under a coloured one, so that pale colours read too."""
 
@@ -150,16 +152,24 @@ class Stamp:
     edge: str = INK
 
 
-def robot_stamp(cell: Cell, robot: int, style: RobotStyle, *, marker: str = "") -> Stamp:
-    """The start of a robot, or with a marker one of its visits."""
-    text = str(robot) if marker else f"R{robot}"
-    return Stamp(cell, style.colour, text, marker, ink=style.ink)
+def start_stamp(cell: Cell, robot: int, style: RobotStyle) -> Stamp:
+    """The start of a robot."""
+    return Stamp(cell, style.colour, f"R{robot}", ink=style.ink)
+
+
+def visit_stamp(cell: Cell, number: int, style: RobotStyle, marker: str = "o") -> Stamp:
+    """A visit by the robot of that style."""
+    return Stamp(cell, style.colour, str(number), marker, ink=style.ink)
 
 
 def draw_stamps(
     ax: Axes, stamps: Iterable[Stamp], captions: Mapping[Cell, str], scale: Scale
-) -> None:
-    """Draw marks on cells, those of one cell side by side below the cell's caption."""
+) -> list[Box]:
+    """Draw marks on cells, those of one cell side by side below the cell's caption.
+
+    Returns the boxes that they cover.
+    """
+    covered: list[Box] = []
     by_cell: dict[Cell, list[Stamp]] = {cell: [] for cell in captions}
     for stamp in stamps:
         by_cell.setdefault(stamp.cell, []).append(stamp)
@@ -172,6 +182,10 @@ def draw_stamps(
             _write(ax, cell, caption, (0, top + 0.5 * scale.font), scale.font, INK, bold=True)
         for stamp, offset in zip(group, offsets, strict=True):
             _stamp(ax, stamp, offset, scale)
+        across, down = np.ptp(offsets, axis=0) + scale.mark if group else (0.0, 0.0)
+        height = (down + (scale.font if caption else 0)) / scale.cell
+        covered.append((*cell, max(height, 1.0), max(across / scale.cell, 1.0)))
+    return covered
 
 
 def side_by_side(count: int, pitch: float) -> NDArray[np.float64]:
@@ -296,7 +310,7 @@ def draw_walk(
 def free_spot(
     near: tuple[float, float],
     size: tuple[float, float],
-    taken: Sequence[tuple[float, float, float, float]],
+    taken: Sequence[Box],
     shape: tuple[int, int],
 ) -> tuple[float, float]:
     """Where a label covers least, and among such places the nearest to where it belongs.
@@ -307,8 +321,8 @@ def free_spot(
         Where the label belongs, in cells.
     size : (height, width)
         Of the label, in cells.
-    taken : sequence of (row, col, height, width)
-        Boxes that should stay visible, by their centres.
+    taken : sequence of Box
+        Boxes that should stay visible.
     shape : (n_rows, n_cols)
         The map, which the label should not leave.
 
@@ -333,7 +347,7 @@ def free_spot(
     return float(rows[best]), float(cols[best])
 
 
-def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
+def legend_below(ax: Axes, handles: Sequence[Artist], *, title: str = "") -> None:
     """A legend under the axes and its x label, in as many columns as fit."""
     if not handles:
         return
@@ -346,6 +360,8 @@ def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
         bbox_to_anchor=(0.5, 0),
         borderaxespad=4.6,  # in font sizes: clears tick labels and the axis label
         ncols=columns,
+        title=title or None,
+        title_fontsize=LEGEND_FONT,
         fontsize=LEGEND_FONT,
         frameon=False,
         handlelength=1.8,

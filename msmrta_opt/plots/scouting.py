@@ -27,8 +27,8 @@ from .canvas import (
     own_axes,
     plot_map,
     robot_handles,
-    robot_stamp,
     size_of,
+    start_stamp,
 )
 from .style import FAINT, FOUND, INK, MISSED, SIGHT, robot_styles
 
@@ -82,7 +82,7 @@ def plot_scouting(
         known = "all victims were known" if instance.victims else "there are no victims"
         ax.set_title(f"Mission\nno scouting: {known}", fontsize=10)
         styles = robot_styles(instance)
-        stamps += [robot_stamp(r.start, r.id, styles[r.id]) for r in instance.robots]
+        stamps += [start_stamp(r.start, r.id, styles[r.id]) for r in instance.robots]
         if instance.victims:
             handles.append(mark_handle("o", "victim, by number", face=FOUND))
         if robot_key:
@@ -142,18 +142,12 @@ def _track_handles(tracks: Sequence[Track]) -> list[Artist]:
     depths = sorted({track.visual_field_depth for track in tracks})
     deep = ", ".join(map(str, depths))
     handles: list[Artist] = [
-        Patch(fc=(*_rgb(SIGHT), 0.25), ec=SIGHT, label=f"visual field at the end (depth {deep})"),
+        Patch(fc=(SIGHT, 0.25), ec=SIGHT, label=f"visual field at the end (depth {deep})"),
         mark_handle("s", "start of a scout", face="white"),
     ]
     for track, colour in zip(tracks, _scout_colours(len(tracks)), strict=True):
         handles.append(Line2D([], [], color=colour, lw=2, label=f"walk of scout S{track.scout}"))
     return handles
-
-
-def _rgb(colour: str) -> tuple[float, float, float]:
-    from matplotlib.colors import to_rgb
-
-    return to_rgb(colour)
 
 
 def plot_coverage(report: ScoutingReport, ax: Axes | None = None) -> Axes:

@@ -1,1 +1,1 @@
-"""One file per line of Algorithm 1: each stage is a function from data to data."""
+"""The stages of Algorithm 1: one file and one function from data to data for each of its lines."""

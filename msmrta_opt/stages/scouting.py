@@ -89,10 +89,9 @@ def scouting(
         max_steps = STEPS_PER_CELL * int(instance.map.free.sum())
 
     neighbours = _neighbours(instance.map)
-    tracks = [[scout.start] for scout in instance.scouts]
-    random = np.random.RandomState(seed)
     starts = [scout.start for scout in instance.scouts]
-    move = WALKS[walk](Ground(neighbours, starts, shared_table, random))
+    move = WALKS[walk](Ground(neighbours, starts, shared_table, np.random.RandomState(seed)))
+    tracks = [[start] for start in starts]
     watch = _Watch(instance)
     watch.look(starts)
     while (ended := watch.verdict(max_steps, stop)) is None:

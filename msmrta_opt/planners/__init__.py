@@ -1,0 +1,49 @@
+"""Planners: ways to plan a mission, each called alike, each plan checked before anyone sees it."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+from typing import Any
+
+from ..mission.check import check_plan
+from ..mission.errors import InputError
+from ..mission.instance import Instance
+from ..mission.plan import Plan
+from .base import Planner
+
+
+@cache
+def planners() -> dict[str, Planner]:
+    """All planners by name: each file of this folder that has a ``PLANNER``."""
+    modules = (
+        importlib.import_module(f"{__name__}.{info.name}") for info in pkgutil.iter_modules(__path__)
+    )
+    found = [module.PLANNER for module in modules if hasattr(module, "PLANNER")]
+    return {planner.name: planner for planner in found}
+
+
+def plan(instance: Instance, *, planner: str = "msmrta", **options: Any) -> Plan:
+    """Plan `instance`, and check the plan.
+
+    Parameters
+    ----------
+    instance : Instance
+        The mission.
+    planner : str
+        One of `planners`; the default is the paper's staged method.
+    **options
+        The planner's own; for ``msmrta`` those of `options.StagedOptions`, and ``preset``.
+
+    Raises
+    ------
+    InputError
+        If the planner or an option is unknown or out of range.
+    CheckError
+        If the plan fails its independent check, which would be a defect of the planner.
+    """
+    known = planners()
+    if planner not in known:
+        raise InputError(f"{planner!r}; give one of {', '.join(known)}", field="planner")
+    return check_plan(known[planner].run(instance, **options))

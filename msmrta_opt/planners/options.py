@@ -1,0 +1,95 @@
+"""Options of the staged planner, checked, and its two presets.
+
+``paper`` reads the paper's text; ``authors`` follows the authors' program where the two differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any, get_args, get_type_hints
+
+from ..mission.errors import InputError
+from ..stages.cluster_assignment import Members, Weights
+from ..stages.performance_analysis import Performance
+from ..stages.robot_assignment import Award
+
+
+@dataclass(frozen=True)
+class StagedOptions:
+    """How the staged planner plans; each field is an option of `plan` and of the command line."""
+
+    psi: float = 0.95
+    """ψ of Eq. 1, importance of full over partial satisfaction, 0 to 1."""
+    beta: float = 0.5
+    """β of Eq. 2, importance of failure time over success time, 0 to 1."""
+    cluster_model: str = "cluster_one_to_one"
+    """Formulation of Eq. 1."""
+    victim_model: str = "victim_one_to_one"
+    """Formulation of Eq. 2."""
+    seed: int = 0
+    """Of scouting and K-means."""
+    weights: Weights = "text"
+    """What w of Eq. 1 counts: all requirements, or (authors) those of partial victims."""
+    members: Members = "all"
+    """Which members of its cluster a robot serves: all it can, or (partial) only partly."""
+    performance: Performance = "pair"
+    """Times of Eq. 2 per robot and victim, or per robot alone."""
+    award: Award = "sealed"
+    """Auction with all bids in before any award, or with bids updated after each."""
+    through_centre: bool = True
+    """Whether a robot passes its cluster's centre."""
+    pinned_clusters: bool = True
+    """Whether the instance's own clusters are used where it has them."""
+    budget: int = 2
+    """Most clusters, or victims, of a robot, in formulations that limit them."""
+    walk: str = "ant_colony"
+    """How scouts walk."""
+    shared_table: bool = True
+    """Whether scouts share one table of visits."""
+
+    def __post_init__(self) -> None:
+        for name in ("psi", "beta"):
+            value = getattr(self, name)
+            if not (_is_number(value) and 0 <= value <= 1):
+                raise InputError(f"{value!r}; give a number from 0 to 1", field=name)
+        for name in ("weights", "members", "performance", "award"):
+            choices = get_args(get_type_hints(type(self))[name])
+            if getattr(self, name) not in choices:
+                raise InputError(
+                    f"{getattr(self, name)!r}; give one of {', '.join(choices)}", field=name
+                )
+        if not (isinstance(self.budget, int) and self.budget >= 1):
+            raise InputError(f"{self.budget!r}; give a whole number, 1 or more", field="budget")
+        if not (isinstance(self.seed, int) and 0 <= self.seed < 2**32):
+            raise InputError(f"{self.seed!r}; give a whole number, 0 to 2**32 - 1", field="seed")
+
+    @classmethod
+    def of(cls, preset: str = "paper", **changes: Any) -> StagedOptions:
+        """A preset with some options changed.
+
+        Raises
+        ------
+        InputError
+            If the preset or an option is unknown, or a value is out of range.
+        """
+        if preset not in PRESETS:
+            raise InputError(f"{preset!r}; give one of {', '.join(PRESETS)}", field="preset")
+        known = [item.name for item in fields(cls)]
+        for name in changes:
+            if name not in known:
+                raise InputError(f"no such option; there are {', '.join(known)}", field=name)
+        return cls(**{**PRESETS[preset], **changes})
+
+    def as_dict(self) -> dict[str, Any]:
+        """All options by name."""
+        return asdict(self)
+
+
+PRESETS: dict[str, dict[str, Any]] = {
+    "paper": {},
+    "authors": {"weights": "authors", "members": "partial", "performance": "robot"},
+}
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

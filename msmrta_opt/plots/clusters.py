@@ -1,0 +1,83 @@
+"""Clusters of victims on a map: their outline, their centre, and who took them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Polygon
+from numpy.typing import NDArray
+
+from ..mission.grid import Cell
+from ..mission.plan import Cluster, Plan
+from .canvas import Box, Scale, free_spot
+from .style import FAINT, INK, NOBODY, RobotStyle, robot_styles
+
+MARGIN = 0.72
+"""Cells by which an outline stays clear of the centres of its victims' cells."""
+
+
+def outline(cells: Sequence[Cell], margin: float = MARGIN) -> NDArray[np.float64]:
+    """The convex hull of discs around `cells`, as ``(col, row)`` points, shape ``(n, 2)``.
+
+    Discs make a hull of any number of cells, in line or not.
+    """
+    from scipy.spatial import ConvexHull
+
+    turn = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    disc = margin * np.column_stack([np.cos(turn), np.sin(turn)])
+    centres = np.array(cells, dtype=float)[:, ::-1]
+    points = (centres[:, None] + disc).reshape(-1, 2)
+    corners: NDArray[np.float64] = points[ConvexHull(points).vertices]
+    return corners
+
+
+def draw_outlines(ax: Axes, plan: Plan) -> None:
+    """Draw the outline of each cluster in the colour of the robot that took it."""
+    styles = robot_styles(plan.instance)
+    cell_of = {victim.id: victim.cell for victim in plan.instance.victims}
+    for cluster in plan.clusters:
+        if not cluster.victims:
+            continue
+        corners = outline([cell_of[victim] for victim in cluster.victims])
+        colour = _colour(cluster, styles)
+        ax.add_patch(Polygon(corners, fc=colour, ec="none", alpha=0.16, zorder=1))
+        ax.add_patch(Polygon(corners, fc="none", ec=colour, lw=0.9, alpha=0.8, zorder=1.1))
+
+
+def draw_centres(
+    ax: Axes, plan: Plan, scale: Scale, taken: Sequence[Box], *, faint: bool = False
+) -> None:
+    """Mark the mean of each cluster and name it where it hides least of the boxes `taken`.
+
+    Faint names leave out who took the cluster.
+    """
+    styles = robot_styles(plan.instance)
+    occupied = list(taken)
+    for number, cluster in enumerate(plan.clusters):
+        row, col = cluster.centre
+        colour = FAINT if faint else _colour(cluster, styles)
+        ax.plot(col, row, "P", ms=0.6 * scale.mark, mfc=colour, mec="white", mew=0.6, zorder=4.5)
+        takers = "" if faint else ",".join(f"R{robot}" for robot in cluster.robots)
+        name = f"C{number}→{takers}" if takers else f"C{number}"
+        size = (1.5 * scale.font / scale.cell, (0.72 * len(name) + 0.5) * scale.font / scale.cell)
+        own = (row, col, 0.6 * scale.mark / scale.cell, 0.6 * scale.mark / scale.cell)
+        spot = free_spot((row, col), size, [*occupied, own], plan.instance.map.shape)
+        occupied.append((*spot, *size))
+        ax.plot([col, spot[1]], [row, spot[0]], color=colour, lw=0.6, zorder=4.4)
+        ax.text(
+            spot[1],
+            spot[0],
+            name,
+            ha="center",
+            va="center_baseline",
+            fontsize=scale.font,
+            color=FAINT if faint else INK,
+            bbox={"boxstyle": "round,pad=0.2", "fc": "white", "ec": colour, "lw": 0.8},
+            zorder=8,
+        ).set_in_layout(False)
+
+
+def _colour(cluster: Cluster, styles: dict[int, RobotStyle]) -> str:
+    return styles[cluster.robots[0]].colour if cluster.robots else NOBODY

@@ -1,0 +1,85 @@
+"""A whole plan on one page: the three panels of the paper's Fig. 2, and the timeline below."""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.figure import Figure
+
+from ..mission.plan import Plan
+from .assignment import plot_assignment
+from .canvas import LEGEND_FONT, Picture, panel_size, robot_handles
+from .gantt import gantt_height, plot_gantt
+from .paths import plot_paths
+from .scouting import plot_scouting
+from .style import robot_styles
+
+LEGENDS = 2.2
+"""Inches that the panels' titles, axes and legends take."""
+
+
+def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
+    """Draw scouting, assignment and paths side by side, and when everything happens.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of any planner.
+    gantt : bool
+        Whether to draw the timeline below the panels.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save_figure` writes it, a notebook shows it.
+    """
+    styles = robot_styles(plan.instance)
+    width, height = panel_size(plan.instance.map, crowded=plan.instance.n_victims > 50)
+    key_columns = min(len(styles), 4)
+    upper = height + LEGENDS + 0.2 * -(-len(styles) // key_columns)
+    lower = gantt_height(plan) + 0.3
+    figure = Picture(
+        figsize=(3 * (width + 0.7), upper + (lower if gantt else 0) + 0.6), layout="constrained"
+    )
+    figure.suptitle(_title(plan), fontsize=12)
+    if gantt:
+        top, bottom = figure.subfigures(2, 1, height_ratios=(upper, lower))
+        plot_gantt(plan, bottom.subplots())
+    else:
+        top = figure.subfigures(1, 1)
+    scouting, assignment, paths = top.subplots(1, 3)
+    plot_scouting(plan, scouting, robot_key=False)
+    plot_assignment(plan, assignment, robot_key=False)
+    plot_paths(plan, paths, robot_key=False)
+    words = {
+        robot.id: textwrap.shorten(", ".join(robot.capabilities) or "no capability", 60)
+        for robot in plan.instance.robots
+    }
+    top.legend(
+        handles=robot_handles(styles, words),
+        loc="outside lower center",
+        ncols=key_columns,
+        title="robots and what they can do",
+        title_fontsize=LEGEND_FONT + 0.5,
+        fontsize=LEGEND_FONT + 0.5,
+        frameon=False,
+    )
+    return figure
+
+
+def _title(plan: Plan) -> str:
+    figures = plan.metrics
+    instance = plan.instance
+    name = instance.name or "unnamed mission"
+    size = f"{_count(instance.n_robots, 'robot')}, {_count(instance.n_victims, 'victim')}"
+    return (
+        f"{name}: {size}, planned by {plan.planner}\n"
+        f"{figures.n_served} of {figures.n_available} available requirements served · "
+        f"{figures.distance} cells walked · makespan {figures.makespan:g} · "
+        f"total time {figures.total_time:g} · "
+        f"mean completion {figures.mean_completion:.4g} time units"
+    )
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" + ("" if number == 1 else "s")

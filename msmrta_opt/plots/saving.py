@@ -1,0 +1,54 @@
+"""Writing pictures: whole or not at all, and the same bytes for the same picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import MappingProxyType
+
+import matplotlib
+from matplotlib.figure import Figure
+
+from ..mission.errors import InputError
+from ..mission.files import write_with
+
+FORMATS = MappingProxyType(
+    # Each format's own name for the stamp that would make every file differ.
+    {
+        "png": {"Software": None},
+        "svg": {"Date": None},
+        "pdf": {"CreationDate": None},
+    }
+)
+"""The formats that can be written, by suffix, with the metadata to leave out."""
+
+
+def save_figure(figure: Figure, path: str | Path, dpi: float = 150) -> None:
+    """Write `figure` to `path`, in the format that its suffix names.
+
+    Parameters
+    ----------
+    figure : Figure
+        What to write.
+    path : path
+        The file, replaced whole; its suffix is one of `FORMATS`.
+    dpi : float
+        Dots per inch, of a PNG and of what is drawn as dots in the other formats.
+
+    Raises
+    ------
+    InputError
+        If the suffix is unknown or the file cannot be written.
+    """
+    suffix = Path(path).suffix
+    kind = suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        known = ", ".join(f".{name}" for name in FORMATS)
+        raise InputError(f"unknown picture format {suffix!r}; the suffix is one of {known}", file=path)
+    # The salt makes the names inside an SVG the same each time; the setting ends with the block.
+    with matplotlib.rc_context({"svg.hashsalt": "msmrta_opt"}):
+        write_with(
+            path,
+            lambda temporary: figure.savefig(
+                temporary, format=kind, dpi=dpi, metadata=dict(FORMATS[kind])
+            ),
+        )

@@ -1,0 +1,171 @@
+"""Cluster assignment (Algorithm 1, ClstrAsgn; Eq. 1): which robot takes which cluster, stage B2.
+
+A robot goes to the centre of its cluster and serves from there the members that it can serve, by
+Manhattan distance from the centre. A member behind a wall is deferred to the next stages: one whose
+walking distance from the centre exceeds its Manhattan distance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mission.errors import InputError
+from ..mission.grid import manhattan
+from ..optimise.formulation import ClusterData
+from ..optimise.solution import Solution
+from ..optimise.solve import solve
+from .clustering import Clustering
+from .requirement_analysis import RequirementAnalysis
+from .situation import Situation, Stop, nearest_first
+
+STAGE = "B2"
+Weights = Literal["text", "authors"]
+Members = Literal["all", "partial"]
+
+
+@dataclass(frozen=True, eq=False)
+class ClusterAssignment:
+    """Stage B2.
+
+    Parameters
+    ----------
+    chosen : bool array, shape (n_robots, n_clusters)
+        Whether r takes c.
+    stops : list of Stop
+        Each robot's way to its centres and the members it serves.
+    deferred : frozenset of int
+        Positions of victims behind a wall as seen from their cluster's centre.
+    solution : Solution or None
+        Of Eq. 1; ``None`` if there are no clusters.
+    """
+
+    chosen: NDArray[np.bool_]
+    stops: list[Stop]
+    deferred: frozenset[int]
+    solution: Solution | None
+
+
+def cluster_data(
+    situation: Situation,
+    analysis: RequirementAnalysis,
+    clusters: Clustering,
+    *,
+    weights: Weights = "text",
+    budget: int = 2,
+) -> ClusterData:
+    """The weights of Eq. 1.
+
+    Parameters
+    ----------
+    weights : {"text", "authors"}
+        Whether ``w`` counts all requirements that r can serve in c, or only those of victims that
+        it satisfies partially.
+    budget : int
+        Most clusters a robot may take, where a formulation limits them.
+    """
+    member = np.eye(clusters.n_clusters, dtype=float)[clusters.labels]
+    met = situation.able.sum(axis=2)
+    full = np.where(analysis.full, met, 0) @ member
+    counted = met if weights == "text" else np.where(analysis.partial, met, 0)
+    n_robots = situation.instance.n_robots
+    return ClusterData(counted @ member, full, np.full(n_robots, budget, dtype=np.int64))
+
+
+def cluster_assignment(
+    situation: Situation,
+    analysis: RequirementAnalysis,
+    clusters: Clustering,
+    data: ClusterData,
+    *,
+    model: str,
+    psi: float,
+    members: Members = "all",
+    through_centre: bool = True,
+) -> ClusterAssignment:
+    """Solve Eq. 1 by the formulation `model`, and queue what each robot serves in its clusters.
+
+    Parameters
+    ----------
+    members : {"all", "partial"}
+        Whether a robot serves all members that it can, or only those that it satisfies partially.
+    through_centre : bool
+        Whether a robot passes the centre on its way to the members.
+
+    Raises
+    ------
+    CheckError
+        If there is no solution that passes its check.
+    """
+    deferred = _behind_walls(situation, clusters)
+    chosen = np.zeros(data.w.shape, dtype=bool)
+    if not clusters.n_clusters:
+        return ClusterAssignment(chosen, [], deferred, None)
+    solution = solve(model, data, psi=psi).require()
+    chosen = binary(solution, data.w.shape)
+    stops: list[Stop] = []
+    for r, start in enumerate(situation.instance.starts):
+        taken = [int(c) for c in np.flatnonzero(chosen[r])]
+        # A robot cannot enter a cluster whose centre it cannot reach.
+        field = situation.distances.field(start)
+        taken = [c for c in taken if np.isfinite(field[clusters.cells[c]])]
+        order = nearest_first(situation.distances, start, [clusters.cells[c] for c in taken])
+        for c in (taken[i] for i in order):
+            if through_centre:
+                stops.append(Stop(r, clusters.cells[c], STAGE))
+            stops.extend(_served(situation, analysis, clusters, r, c, deferred, members))
+    return ClusterAssignment(chosen, stops, deferred, solution)
+
+
+def binary(solution: Solution, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """The binary variable ``x`` of a stage's formulation.
+
+    Raises
+    ------
+    InputError
+        If the formulation has no variable ``x`` of that shape.
+    """
+    x = solution.values.get("x")
+    if x is None or x.shape != shape:
+        raise InputError(f"it has no variable 'x' of shape {shape}", field=solution.formulation)
+    return np.asarray(x > 0.5)
+
+
+def _behind_walls(situation: Situation, clusters: Clustering) -> frozenset[int]:
+    return frozenset(
+        v
+        for v, (cell, c) in enumerate(zip(situation.instance.cells, clusters.labels, strict=True))
+        if situation.distances(clusters.cells[c], cell) > manhattan(clusters.cells[c], cell)
+    )
+
+
+def _served(
+    situation: Situation,
+    analysis: RequirementAnalysis,
+    clusters: Clustering,
+    robot: int,
+    cluster: int,
+    deferred: frozenset[int],
+    members: Members,
+) -> list[Stop]:
+    instance, centre = situation.instance, clusters.cells[cluster]
+    candidates = [
+        v
+        for v in clusters.members(cluster)
+        if v not in deferred
+        and situation.able[robot, v].any()
+        and (members == "all" or analysis.partial[robot, v])
+    ]
+    candidates.sort(key=lambda v: (manhattan(centre, instance.cells[v]), v))
+    return [
+        Stop(robot, instance.cells[v], STAGE, v, kinds(situation.able[robot, v]))
+        for v in candidates
+    ]
+
+
+def kinds(row: NDArray[np.bool_]) -> tuple[int, ...]:
+    """Positions of the kinds that are set in a row of shape ``(n_kinds,)``."""
+    return tuple(int(k) for k in np.flatnonzero(row))

@@ -1,0 +1,89 @@
+"""Performance analysis (Algorithm 1, PerfAnalysis): the success and failure times of Eq. 2.
+
+For robot r and a remaining victim v, success is when r would be done there: its busy time so far, the
+way from where stage B2 leaves it, and the service of what it can do. Failure is the service time that
+others must redo, of this victim and of r's record in stage B2, over r's number of capabilities.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..optimise.formulation import VictimData
+from .situation import Situation, Stop
+
+Performance = Literal["pair", "robot"]
+
+
+def performance_analysis(
+    situation: Situation,
+    stops: Sequence[Stop],
+    remaining: NDArray[np.bool_],
+    *,
+    performance: Performance = "pair",
+    budget: int = 2,
+    endurance: float = np.inf,
+) -> VictimData:
+    """The data of Eq. 2 after stage B2.
+
+    Parameters
+    ----------
+    situation : Situation
+        Who can serve what.
+    stops : sequence of Stop
+        Stage B2.
+    remaining : bool array, shape (n_victims, n_kinds)
+        Available requirements that B2 leaves open.
+    performance : {"pair", "robot"}
+        ``pair`` as above. ``robot`` as in the authors' program: one pair of times per robot (its
+        largest service time so far; its lost service time over its number of capabilities), so
+        that Eq. 2 cannot tell victims apart.
+    budget : int
+        Most victims a robot may take, where a formulation limits them.
+    endurance : float
+        Most time units a robot may be busy, where a formulation limits it.
+    """
+    instance = situation.instance
+    ends, busy = situation.after(stops)
+    does = situation.able & remaining
+    can_serve = does.any(axis=2)
+    n_capabilities = np.maximum(instance.P.sum(axis=1), 1)
+    lost = ~instance.P[:, None, :] * (instance.service * remaining)[None, :, :]
+    record = _lost_so_far(situation, stops)
+    if performance == "pair":
+        travel = situation.distances.between(ends, instance.cells) / instance.speed[:, None]
+        service = (does * instance.service).sum(axis=2)
+        success = busy[:, None] + travel + service
+        failure = (lost.sum(axis=2) + record[:, None]) / n_capabilities[:, None]
+    else:
+        largest = np.zeros(instance.n_robots)
+        for stop in stops:
+            if stop.victim is not None:
+                times = instance.service[stop.victim, list(stop.kinds)]
+                largest[stop.robot] = max(largest[stop.robot], times.max(initial=0.0))
+        success = np.broadcast_to(largest[:, None], can_serve.shape)
+        failure = np.broadcast_to((record / n_capabilities)[:, None], can_serve.shape)
+        busy = np.zeros(instance.n_robots)
+    return VictimData(
+        success=np.where(can_serve, success, 0.0),
+        failure=np.where(can_serve, failure, 0.0),
+        can_serve=can_serve,
+        busy=busy,
+        budget=np.full(instance.n_robots, budget, dtype=np.int64),
+        endurance=np.full(instance.n_robots, float(endurance)),
+    )
+
+
+def _lost_so_far(situation: Situation, stops: Sequence[Stop]) -> NDArray[np.float64]:
+    """Available service time that each robot left to others at the victims it visited."""
+    instance = situation.instance
+    record = np.zeros(instance.n_robots)
+    for stop in stops:
+        if stop.victim is not None:
+            left = situation.available[stop.victim] & ~instance.P[stop.robot]
+            record[stop.robot] += instance.service[stop.victim, left].sum()
+    return record

@@ -1,0 +1,68 @@
+"""Robot assignment (Algorithm 1, RobotAssign): a sealed-bid auction of what is still open, stage B4.
+
+Every available requirement that is unserved is announced. Each potential robot that can reach the
+victim bids its walking distance from where its queue ends; the lowest bid wins, ties to the first
+robot. A winner that fully satisfies the victim takes all that remains of it, so that nobody else comes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .requirement_analysis import RequirementAnalysis
+from .situation import Situation, Stop
+
+STAGE = "B4"
+Award = Literal["sealed", "sequential"]
+
+
+def robot_assignment(
+    situation: Situation,
+    stops: Sequence[Stop],
+    remaining: NDArray[np.bool_],
+    analysis: RequirementAnalysis,
+    *,
+    award: Award = "sealed",
+) -> list[Stop]:
+    """Award every requirement of `remaining`, victim by victim.
+
+    Parameters
+    ----------
+    stops : sequence of Stop
+        Stages B2 and B3.
+    remaining : bool array, shape (n_victims, n_kinds)
+        Available requirements that they leave open.
+    award : {"sealed", "sequential"}
+        Whether all bids are in before any award, or the winner's queue, and so its next bid, is
+        updated after each victim.
+    """
+    instance = situation.instance
+    ends, _ = situation.after(stops)
+    bids = situation.distances.between(ends, instance.cells)
+    awarded: list[Stop] = []
+    for v in (int(v) for v in np.flatnonzero(remaining.any(axis=1))):
+        won: dict[int, list[int]] = {}
+        announced = [int(k) for k in np.flatnonzero(remaining[v])]
+        winners = {k: _winner(bids[:, v], situation.able[:, v, k]) for k in announced}
+        for k in announced:
+            robot = winners[k]
+            if award == "sequential":
+                robot = _winner(bids[:, v], situation.able[:, v, k])
+                bids[robot] = situation.distances.between([instance.cells[v]], instance.cells)[0]
+            won.setdefault(robot, []).append(k)
+        full = [robot for robot in won if analysis.full[robot, v]]
+        if full:
+            won = {min(full, key=lambda r: (bids[r, v], r)): announced}
+        awarded.extend(
+            Stop(robot, instance.cells[v], STAGE, v, tuple(kinds)) for robot, kinds in won.items()
+        )
+    return awarded
+
+
+def _winner(bids: NDArray[np.float64], potential: NDArray[np.bool_]) -> int:
+    """The potential robot with the lowest bid, ties to the first; both of shape ``(n_robots,)``."""
+    return int(np.where(potential, bids, np.inf).argmin())

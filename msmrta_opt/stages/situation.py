@@ -1,0 +1,94 @@
+"""What every stage looks at: the known victims, walking distances, and the robots' queues."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mission.grid import Cell, DistanceTable
+from ..mission.instance import Instance
+
+
+@dataclass(frozen=True)
+class Stop:
+    """An entry of a robot's queue, by positions in the instance.
+
+    ``victim`` is ``None`` for a stop that only passes a cell, such as a cluster's centre;
+    ``kinds`` are the requirements to serve there.
+    """
+
+    robot: int
+    cell: Cell
+    stage: str
+    victim: int | None = None
+    kinds: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """An instance whose victims are all known, with its distances, each computed once."""
+
+    instance: Instance
+    distances: DistanceTable
+
+    @classmethod
+    def of(cls, instance: Instance) -> Situation:
+        """The situation of `instance`, with the fields of all starts and victims."""
+        return cls(instance, DistanceTable(instance.map, [*instance.starts, *instance.cells]))
+
+    @cached_property
+    def reach(self) -> NDArray[np.bool_]:
+        """Whether robot r can walk to victim v, shape ``(n_robots, n_victims)``."""
+        instance = self.instance
+        return np.isfinite(self.distances.between(instance.starts, instance.cells))
+
+    @cached_property
+    def able(self) -> NDArray[np.bool_]:
+        """Whether r can serve kind k at v, shape ``(n_robots, n_victims, n_kinds)``."""
+        instance = self.instance
+        return instance.P[:, None, :] & instance.Q[None, :, :] & self.reach[:, :, None]
+
+    @cached_property
+    def available(self) -> NDArray[np.bool_]:
+        """Requirements that some robot can serve, shape ``(n_victims, n_kinds)``."""
+        available: NDArray[np.bool_] = self.able.any(axis=0)
+        return available
+
+    def after(self, stops: Iterable[Stop]) -> tuple[list[Cell], NDArray[np.float64]]:
+        """Where each robot's queue ends, and when, in time units, shape ``(n_robots,)``."""
+        cells = list(self.instance.starts)
+        busy = np.zeros(self.instance.n_robots)
+        for stop in stops:
+            travel = self.distances(cells[stop.robot], stop.cell)
+            busy[stop.robot] += travel / self.instance.speed[stop.robot]
+            if stop.victim is not None:
+                busy[stop.robot] += self.instance.service[stop.victim, list(stop.kinds)].sum()
+            cells[stop.robot] = stop.cell
+        return cells, busy
+
+
+def without(remaining: NDArray[np.bool_], stops: Iterable[Stop]) -> NDArray[np.bool_]:
+    """The requirements of `remaining`, shape ``(n_victims, n_kinds)``, that `stops` leave open."""
+    left = remaining.copy()
+    for stop in stops:
+        if stop.victim is not None:
+            left[stop.victim, list(stop.kinds)] = False
+    return left
+
+
+def nearest_first(
+    distances: DistanceTable, start: Cell, cells: Sequence[Cell]
+) -> list[int]:
+    """Positions in `cells`, always the nearest of the rest next; ties to the first."""
+    order: list[int] = []
+    left = list(range(len(cells)))
+    while left:
+        nearest = min(left, key=lambda i: (distances(start, cells[i]), i))
+        left.remove(nearest)
+        order.append(nearest)
+        start = cells[nearest]
+    return order
