@@ -35,5 +35,9 @@ def build(data: VictimData) -> cp.Problem:
     failure = cp.sum(cp.multiply(data.failure, x))
     return cp.Problem(
         cp.Minimize((1 - beta) * success + beta * failure),
-        [(cp.sum(x, axis=0) == coverable).set_label("victim {v} has one robot if any can serve it")],
+        [
+            (cp.sum(x, axis=0) == coverable).set_label(
+                "victim {v} has one robot if any can serve it"
+            )
+        ],
     )

@@ -43,7 +43,7 @@ _HOME = {
     "reload_models": "optimise.registry",
     "plan": "planners",
     "planners": "planners",
-    "scout": "stages.scouting:scouting",
+    "scouting": "stages.scouting",
 }
 _MODULES = ("plots",)
 
@@ -78,7 +78,7 @@ if TYPE_CHECKING:
     from .optimise.solve import solve as solve
     from .planners import plan as plan
     from .planners import planners as planners
-    from .stages.scouting import scouting as scout
+    from .stages.scouting import scouting as scouting
 
 
 def read(path: str) -> Instance:
@@ -93,8 +93,7 @@ def __getattr__(name: str) -> Any:
         return importlib.import_module(f".{name}", __name__)
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, _, attribute = _HOME[name].partition(":")
-    value = getattr(importlib.import_module(f".{module}", __name__), attribute or name)
+    value = getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
     globals()[name] = value
     return value
 

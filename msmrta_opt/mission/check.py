@@ -7,6 +7,7 @@ and times are worked out again from the instance alone.
 from __future__ import annotations
 
 from collections import Counter
+from itertools import pairwise
 
 from .errors import CheckError
 from .grid import Cell
@@ -62,10 +63,13 @@ def _names(plan: Plan) -> list[str]:
     for route in plan.routes:
         for visit in route.visits:
             if visit.victim not in kinds_of:
-                wrong.append(f"robot {route.robot} visits victim {visit.victim}, which is not there")
-    for item in plan.unserved:
-        if item.kind not in kinds_of.get(item.victim, set()):
-            wrong.append(f"victim {item.victim} is listed as unserved for {item.kind}, not its need")
+                there = f"robot {route.robot} visits victim {visit.victim}"
+                wrong.append(f"{there}, which is not there")
+    wrong.extend(
+        f"victim {item.victim} is listed as unserved for {item.kind}, not its need"
+        for item in plan.unserved
+        if item.kind not in kinds_of.get(item.victim, set())
+    )
     if plan.scouting is not None:
         wrong.extend(
             f"victim {victim} is listed as not found, and is not there"
@@ -97,7 +101,9 @@ def _routes(plan: Plan) -> list[str]:
             )
             departure = arrival + service
             if abs(visit.departure - departure) > TOLERANCE:
-                wrong.append(f"{where} leaves at {visit.departure:g}, which should be {departure:g}")
+                wrong.append(
+                    f"{where} leaves at {visit.departure:g}, which should be {departure:g}"
+                )
             here, clock = victim.cell, departure
         if route.back:
             wrong.extend(
@@ -117,7 +123,7 @@ def _walk(
     for row, col in cells:
         if not instance.map.is_free((row, col)):
             wrong.append(f"{where} enters {(row, col)}, which is not a free cell")
-    for (r0, c0), (r1, c1) in zip(cells, cells[1:], strict=False):
+    for (r0, c0), (r1, c1) in pairwise(cells):
         if abs(r0 - r1) + abs(c0 - c1) != 1:
             wrong.append(f"{where} jumps from {(r0, c0)} to {(r1, c1)}")
     return wrong
@@ -166,7 +172,9 @@ def _services(plan: Plan) -> list[str]:
                 if said == BEYOND_ENDURANCE and true is None and _limited(plan):
                     continue
                 if said != true:
-                    wrong.append(f"{what} is unserved for {said!r}; in truth: {true or 'available'}")
+                    wrong.append(
+                        f"{what} is unserved for {said!r}; in truth: {true or 'available'}"
+                    )
     return wrong
 
 

@@ -41,7 +41,9 @@ def write_with(path: str | Path, write: Callable[[Path], None]) -> None:
     path = Path(path)
     try:
         # The suffix is kept: writers such as matplotlib choose their format by it.
-        handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=f".{path.stem}-", dir=path.parent)
+        handle, name = tempfile.mkstemp(
+            suffix=path.suffix, prefix=f".{path.stem}-", dir=path.parent
+        )
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=path) from None
     os.close(handle)

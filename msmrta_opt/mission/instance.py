@@ -223,8 +223,7 @@ class Instance(_Record):
 
     @cached_property
     def service(self) -> NDArray[np.float64]:
-        """Service time per victim and kind, in time units, 0 where not required,
-        shape ``(n_victims, n_kinds)``."""
+        """Service time in time units, 0 where not required, shape ``(n_victims, n_kinds)``."""
         times = np.array(
             [
                 [v.service_time.get(kind, self.service_time[kind]) for kind in self.capabilities]
@@ -356,9 +355,7 @@ def _check_kinds(field: str, names: Sequence[str], kinds: Sequence[str]) -> None
     _refuse_repeats(field, names, "each kind is listed once")
 
 
-def _refuse_repeats(
-    field: str, values: Sequence[object], rule: str, *, suffix: str = ""
-) -> None:
+def _refuse_repeats(field: str, values: Sequence[object], rule: str, *, suffix: str = "") -> None:
     for i, value in enumerate(values):
         if value in values[:i]:
             raise InputError(f"{value!r} is repeated; {rule}", field=f"{field}[{i}]{suffix}")

@@ -16,7 +16,6 @@ from .program import Program
 from .structure import Structure
 
 
-
 @dataclass(frozen=True, eq=False)
 class _Assignment:
     """A recognised program as a cost table: each row of it one of the smaller side's rows.
@@ -168,5 +167,3 @@ def _prices(program: Program, table: _Assignment, u: Floats, v: Floats) -> Float
     prices[table.small_rows] = u
     prices[table.large_rows] = v
     return prices
-
-

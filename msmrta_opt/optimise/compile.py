@@ -81,9 +81,7 @@ class Compiled:
         )
 
 
-def parameter_values(
-    formulation: Formulation, parameters: dict[str, float]
-) -> dict[str, float]:
+def parameter_values(formulation: Formulation, parameters: dict[str, float]) -> dict[str, float]:
     """All parameters of `formulation`: the given values, in range, and defaults for the rest.
 
     Raises

@@ -58,9 +58,10 @@ def element_name(blocks: tuple[Block, ...], position: int) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """``min`` or ``max`` of ``cost @ x + offset`` over
-    ``row_lower ≤ matrix @ x ≤ row_upper`` and ``lower ≤ x ≤ upper``, some of ``x`` integer.
+    """A linear program in arrays, some of its variables integer.
 
+    ``min`` or ``max`` of ``cost @ x + offset`` over ``row_lower ≤ matrix @ x ≤ row_upper`` and
+    ``lower ≤ x ≤ upper``, with ``x`` of shape ``(n_columns,)``, the rows of ``(n_rows,)``.
     Costs, values and bounds are in the program's own sense, offset included.
     """
 

@@ -100,15 +100,9 @@ def _files() -> Iterator[tuple[Path, str]]:
 def listings(stage: str | None = None) -> Iterator[Listing]:
     """Every formulation found, broken files included, in the order of folders and names."""
     for path, objection in _files():
-        if objection:
-            listing = Listing(path.stem, path, error=objection)
-        else:
-            listing = _load(path)
-        if (
-            stage is None
-            or listing.formulation is None
-            or listing.formulation.spec.stage == stage
-        ):
+        listing = Listing(path.stem, path, error=objection) if objection else _load(path)
+        formulation = listing.formulation
+        if stage is None or formulation is None or formulation.spec.stage == stage:
             yield listing
 
 
@@ -142,7 +136,7 @@ def _load(path: Path) -> Listing:
         module = importlib.import_module(f"{formulations.__name__}.{path.stem}")
         spec, build = module.SPEC, module.build
         if not isinstance(spec, Spec) or not callable(build):
-            raise TypeError("SPEC is not a Spec, or build is not a function")  # noqa: TRY301
+            raise TypeError("SPEC is not a Spec, or build is not a function")
     except Exception as error:
         # A model file is the user's own code: whatever it raises is news about that file.
         return Listing(

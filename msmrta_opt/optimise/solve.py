@@ -249,5 +249,3 @@ def _start(program: Program, values: dict[str, Floats]) -> Floats:
                 f"shape {np.shape(array)} where {name} has {known[name]}", field=f"start.{name}"
             )
     return program.flat(values)
-
-

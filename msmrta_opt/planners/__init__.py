@@ -18,7 +18,8 @@ from .base import Planner
 def planners() -> dict[str, Planner]:
     """All planners by name: each file of this folder that has a ``PLANNER``."""
     modules = (
-        importlib.import_module(f"{__name__}.{info.name}") for info in pkgutil.iter_modules(__path__)
+        importlib.import_module(f"{__name__}.{info.name}")
+        for info in pkgutil.iter_modules(__path__)
     )
     found = [module.PLANNER for module in modules if hasattr(module, "PLANNER")]
     return {planner.name: planner for planner in found}

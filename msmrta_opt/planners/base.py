@@ -9,9 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
 
-from ..mission.instance import Instance
 from ..mission.plan import Plan
 
 RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numpy", "scikit-learn", "scipy")
@@ -19,16 +17,11 @@ RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numpy", "scikit-learn", "s
 
 @dataclass(frozen=True)
 class Planner:
-    """A way to plan: ``run(instance, **options)``.
-
-    ``options`` are the names that ``run`` takes, with what each means.
-    """
+    """A way to plan: ``run(instance, **options)``."""
 
     name: str
     title: str
     run: Callable[..., Plan] = field(compare=False, repr=False)
-    options: dict[str, str] = field(default_factory=dict, compare=False, repr=False)
-    presets: dict[str, dict[str, Any]] = field(default_factory=dict, compare=False, repr=False)
 
 
 class Stopwatch:
@@ -64,5 +57,3 @@ def _versions() -> dict[str, str]:
 def versions() -> dict[str, str]:
     """Versions of what a plan's content depends on."""
     return dict(_versions())
-
-

@@ -25,16 +25,6 @@ from ..stages.requirement_analysis import Missing
 from .base import versions
 
 
-def known_victims(instance: Instance, report: ScoutingReport | None) -> Instance:
-    """The mission with only the victims that the scouts found; all of them without scouts."""
-    if report is None or not report.not_found:
-        return instance
-    hidden = set(report.not_found)
-    return instance.with_victims(
-        [v for v, victim in enumerate(instance.victims) if victim.id not in hidden]
-    )
-
-
 def assemble(
     instance: Instance,
     known: Instance,

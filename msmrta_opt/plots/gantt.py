@@ -109,4 +109,6 @@ def _row(
 
 
 def _travel(ax: Axes, row: int, start: float, end: float, style: RobotStyle) -> None:
-    ax.barh(row, end - start, left=start, height=0.4 * BAR, color=style.colour, alpha=0.35, zorder=2)
+    ax.barh(
+        row, end - start, left=start, height=0.4 * BAR, color=style.colour, alpha=0.35, zorder=2
+    )

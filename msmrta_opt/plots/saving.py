@@ -43,7 +43,9 @@ def save_figure(figure: Figure, path: str | Path, dpi: float = 150) -> None:
     kind = suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         known = ", ".join(f".{name}" for name in FORMATS)
-        raise InputError(f"unknown picture format {suffix!r}; the suffix is one of {known}", file=path)
+        raise InputError(
+            f"unknown picture format {suffix!r}; the suffix is one of {known}", file=path
+        )
     # The salt makes the names inside an SVG the same each time; the setting ends with the block.
     with matplotlib.rc_context({"svg.hashsalt": "msmrta_opt"}):
         write_with(

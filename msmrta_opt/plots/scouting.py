@@ -184,9 +184,7 @@ def plot_coverage(report: ScoutingReport, ax: Axes | None = None) -> Axes:
     ax.set_axisbelow(True)
     ax.spines[["top", "right"]].set_visible(False)
     n_victims = len(report.finds) + len(report.not_found)
-    ax.set_title(
-        f"Coverage: {_summary(report, n_victims)} (ended: {report.ended})", fontsize=10
-    )
+    ax.set_title(f"Coverage: {_summary(report, n_victims)} (ended: {report.ended})", fontsize=10)
     legend_below(ax, handles)
     return ax
 
@@ -209,9 +207,7 @@ def _mark_finds(ax: Axes, report: ScoutingReport, last: int) -> None:
         ax.text(x, 106, text, rotation=90, ha="center", va="bottom", fontsize=font)
 
 
-def spread(
-    positions: Sequence[float], gap: float, low: float, high: float
-) -> list[float]:
+def spread(positions: Sequence[float], gap: float, low: float, high: float) -> list[float]:
     """Ascending `positions` moved as little as a sweep each way can to be `gap` apart.
 
     They stay between `low` and `high` as long as all fit there.

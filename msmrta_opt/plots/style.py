@@ -74,9 +74,7 @@ class RobotStyle:
 def robot_style(index: int) -> RobotStyle:
     """The style of the robot at position `index` of its instance."""
     cycle, position = divmod(index, len(PALETTE))
-    return RobotStyle(
-        PALETTE[position], LINES[cycle % len(LINES)], HATCHES[cycle % len(HATCHES)]
-    )
+    return RobotStyle(PALETTE[position], LINES[cycle % len(LINES)], HATCHES[cycle % len(HATCHES)])
 
 
 def robot_colour(index: int) -> str:

@@ -8,7 +8,6 @@ walking distance from the centre exceeds its Manhattan distance.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +18,11 @@ from ..optimise.formulation import ClusterData
 from ..optimise.solution import Solution
 from ..optimise.solve import solve
 from .clustering import Clustering
+from .options import StagedOptions
 from .requirement_analysis import RequirementAnalysis
 from .situation import Situation, Stop, nearest_first
 
 STAGE = "B2"
-Weights = Literal["text", "authors"]
-Members = Literal["all", "partial"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,47 +51,31 @@ def cluster_data(
     situation: Situation,
     analysis: RequirementAnalysis,
     clusters: Clustering,
-    *,
-    weights: Weights = "text",
-    budget: int = 2,
+    options: StagedOptions,
 ) -> ClusterData:
-    """The weights of Eq. 1.
-
-    Parameters
-    ----------
-    weights : {"text", "authors"}
-        Whether ``w`` counts all requirements that r can serve in c, or only those of victims that
-        it satisfies partially.
-    budget : int
-        Most clusters a robot may take, where a formulation limits them.
-    """
+    """The weights of Eq. 1; `options` has their reading (``weights``) and the ``budget``."""
     member = np.eye(clusters.n_clusters, dtype=float)[clusters.labels]
     met = situation.able.sum(axis=2)
     full = np.where(analysis.full, met, 0) @ member
-    counted = met if weights == "text" else np.where(analysis.partial, met, 0)
+    counted = met if options.weights == "text" else np.where(analysis.partial, met, 0)
     n_robots = situation.instance.n_robots
-    return ClusterData(counted @ member, full, np.full(n_robots, budget, dtype=np.int64))
+    return ClusterData(counted @ member, full, np.full(n_robots, options.budget, dtype=np.int64))
 
 
 def cluster_assignment(
     situation: Situation,
     analysis: RequirementAnalysis,
     clusters: Clustering,
-    data: ClusterData,
-    *,
-    model: str,
-    psi: float,
-    members: Members = "all",
-    through_centre: bool = True,
+    options: StagedOptions,
 ) -> ClusterAssignment:
-    """Solve Eq. 1 by the formulation `model`, and queue what each robot serves in its clusters.
+    """Solve Eq. 1, and queue what each robot serves in its clusters.
 
     Parameters
     ----------
-    members : {"all", "partial"}
-        Whether a robot serves all members that it can, or only those that it satisfies partially.
-    through_centre : bool
-        Whether a robot passes the centre on its way to the members.
+    situation, analysis, clusters
+        From the stages before.
+    options : StagedOptions
+        ``cluster_model``, ``psi``, ``weights``, ``members``, ``through_centre``, ``budget``.
 
     Raises
     ------
@@ -101,10 +83,11 @@ def cluster_assignment(
         If there is no solution that passes its check.
     """
     deferred = _behind_walls(situation, clusters)
+    data = cluster_data(situation, analysis, clusters, options)
     chosen = np.zeros(data.w.shape, dtype=bool)
     if not clusters.n_clusters:
         return ClusterAssignment(chosen, [], deferred, None)
-    solution = solve(model, data, psi=psi).require()
+    solution = solve(options.cluster_model, data, psi=options.psi).require()
     chosen = binary(solution, data.w.shape)
     stops: list[Stop] = []
     for r, start in enumerate(situation.instance.starts):
@@ -114,9 +97,9 @@ def cluster_assignment(
         taken = [c for c in taken if np.isfinite(field[clusters.cells[c]])]
         order = nearest_first(situation.distances, start, [clusters.cells[c] for c in taken])
         for c in (taken[i] for i in order):
-            if through_centre:
+            if options.through_centre:
                 stops.append(Stop(r, clusters.cells[c], STAGE))
-            stops.extend(_served(situation, analysis, clusters, r, c, deferred, members))
+            stops.extend(_served(situation, analysis, clusters, r, c, deferred, options))
     return ClusterAssignment(chosen, stops, deferred, solution)
 
 
@@ -149,7 +132,7 @@ def _served(
     robot: int,
     cluster: int,
     deferred: frozenset[int],
-    members: Members,
+    options: StagedOptions,
 ) -> list[Stop]:
     instance, centre = situation.instance, clusters.cells[cluster]
     candidates = [
@@ -157,7 +140,7 @@ def _served(
         for v in clusters.members(cluster)
         if v not in deferred
         and situation.able[robot, v].any()
-        and (members == "all" or analysis.partial[robot, v])
+        and (options.members == "all" or analysis.partial[robot, v])
     ]
     candidates.sort(key=lambda v: (manhattan(centre, instance.cells[v]), v))
     return [

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mission.grid import Cell
+from .options import StagedOptions
 from .situation import Situation
 
 N_STARTS = 10
@@ -52,24 +53,26 @@ class Clustering:
         return float(((locations - self.centres[self.labels]) ** 2).sum())
 
 
-def clustering(situation: Situation, *, seed: int, use_pinned: bool = True) -> Clustering:
+def clustering(situation: Situation, options: StagedOptions) -> Clustering:
     """Group the victims into ``min(n_robots, number of distinct victim cells)`` clusters.
 
     Parameters
     ----------
     situation : Situation
         The known victims.
-    seed : int
-        Of the starts of K-means.
-    use_pinned : bool
-        Whether an instance's own clusters are taken where it has them.
+    options : StagedOptions
+        ``seed`` of the starts of K-means; ``pinned_clusters``.
     """
     instance = situation.instance
     if not instance.n_victims:
         return Clustering(np.empty(0, dtype=np.int64), np.empty((0, 2)), [], pinned=False)
     locations = np.array(instance.cells, dtype=float)
-    pinned = use_pinned and instance.clusters is not None
-    labels = np.array(instance.clusters) if pinned else _k_means(locations, instance.n_robots, seed)
+    pinned = options.pinned_clusters and instance.clusters is not None
+    labels = (
+        np.array(instance.clusters)
+        if pinned
+        else _k_means(locations, instance.n_robots, options.seed)
+    )
     # Scouts may not have found any member of a pinned cluster, so labels are made consecutive.
     _, labels = np.unique(labels, return_inverse=True)
     count = np.bincount(labels)
@@ -94,7 +97,9 @@ def _centre_cell(
     grid = situation.instance.map
     cells = np.argwhere(grid.free)
     order = np.argsort(((cells - centre) ** 2).sum(axis=1), kind="stable")
-    fields = [situation.distances.field(situation.instance.cells[v]) for v in np.flatnonzero(members)]
+    fields = [
+        situation.distances.field(situation.instance.cells[v]) for v in np.flatnonzero(members)
+    ]
     for row, col in cells[order]:
         if any(np.isfinite(field[row, col]) for field in fields):
             return int(row), int(col)

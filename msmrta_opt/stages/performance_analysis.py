@@ -8,25 +8,20 @@ others must redo, of this victim and of r's record in stage B2, over r's number 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..optimise.formulation import VictimData
+from .options import StagedOptions
 from .situation import Situation, Stop
-
-Performance = Literal["pair", "robot"]
 
 
 def performance_analysis(
     situation: Situation,
     stops: Sequence[Stop],
     remaining: NDArray[np.bool_],
-    *,
-    performance: Performance = "pair",
-    budget: int = 2,
-    endurance: float = np.inf,
+    options: StagedOptions,
 ) -> VictimData:
     """The data of Eq. 2 after stage B2.
 
@@ -38,14 +33,11 @@ def performance_analysis(
         Stage B2.
     remaining : bool array, shape (n_victims, n_kinds)
         Available requirements that B2 leaves open.
-    performance : {"pair", "robot"}
-        ``pair`` as above. ``robot`` as in the authors' program: one pair of times per robot (its
-        largest service time so far; its lost service time over its number of capabilities), so
-        that Eq. 2 cannot tell victims apart.
-    budget : int
-        Most victims a robot may take, where a formulation limits them.
-    endurance : float
-        Most time units a robot may be busy, where a formulation limits it.
+    options : StagedOptions
+        ``performance``: ``pair`` as above; ``robot`` as in the authors' program, one pair of times
+        per robot (its largest service time so far; its lost service time over its number of
+        capabilities), so that Eq. 2 cannot tell victims apart. ``budget`` and ``endurance``, for
+        the formulations that limit them.
     """
     instance = situation.instance
     ends, busy = situation.after(stops)
@@ -54,7 +46,7 @@ def performance_analysis(
     n_capabilities = np.maximum(instance.P.sum(axis=1), 1)
     lost = ~instance.P[:, None, :] * (instance.service * remaining)[None, :, :]
     record = _lost_so_far(situation, stops)
-    if performance == "pair":
+    if options.performance == "pair":
         travel = situation.distances.between(ends, instance.cells) / instance.speed[:, None]
         service = (does * instance.service).sum(axis=2)
         success = busy[:, None] + travel + service
@@ -68,13 +60,14 @@ def performance_analysis(
         success = np.broadcast_to(largest[:, None], can_serve.shape)
         failure = np.broadcast_to((record / n_capabilities)[:, None], can_serve.shape)
         busy = np.zeros(instance.n_robots)
+    endurance = np.inf if options.endurance is None else float(options.endurance)
     return VictimData(
         success=np.where(can_serve, success, 0.0),
         failure=np.where(can_serve, failure, 0.0),
         can_serve=can_serve,
         busy=busy,
-        budget=np.full(instance.n_robots, budget, dtype=np.int64),
-        endurance=np.full(instance.n_robots, float(endurance)),
+        budget=np.full(instance.n_robots, options.budget, dtype=np.int64),
+        endurance=np.full(instance.n_robots, endurance),
     )
 
 

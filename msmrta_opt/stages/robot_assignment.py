@@ -8,16 +8,15 @@ robot. A winner that fully satisfies the victim takes all that remains of it, so
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .options import StagedOptions
 from .requirement_analysis import RequirementAnalysis
 from .situation import Situation, Stop
 
 STAGE = "B4"
-Award = Literal["sealed", "sequential"]
 
 
 def robot_assignment(
@@ -25,8 +24,7 @@ def robot_assignment(
     stops: Sequence[Stop],
     remaining: NDArray[np.bool_],
     analysis: RequirementAnalysis,
-    *,
-    award: Award = "sealed",
+    options: StagedOptions,
 ) -> list[Stop]:
     """Award every requirement of `remaining`, victim by victim.
 
@@ -36,9 +34,11 @@ def robot_assignment(
         Stages B2 and B3.
     remaining : bool array, shape (n_victims, n_kinds)
         Available requirements that they leave open.
-    award : {"sealed", "sequential"}
-        Whether all bids are in before any award, or the winner's queue, and so its next bid, is
-        updated after each victim.
+    analysis : RequirementAnalysis
+        Who fully satisfies whom.
+    options : StagedOptions
+        ``award``: whether all bids are in before any award, or the winner's queue, and so its next
+        bid, is updated after each.
     """
     instance = situation.instance
     ends, _ = situation.after(stops)
@@ -50,7 +50,7 @@ def robot_assignment(
         winners = {k: _winner(bids[:, v], situation.able[:, v, k]) for k in announced}
         for k in announced:
             robot = winners[k]
-            if award == "sequential":
+            if options.award == "sequential":
                 robot = _winner(bids[:, v], situation.able[:, v, k])
                 bids[robot] = situation.distances.between([instance.cells[v]], instance.cells)[0]
             won.setdefault(robot, []).append(k)

@@ -21,6 +21,7 @@ from ..mission.errors import InputError
 from ..mission.grid import Cell, GridMap
 from ..mission.instance import Instance
 from ..mission.plan import Find, ScoutingReport, Track
+from .options import StagedOptions
 from .visibility import FieldOfView
 from .walks import WALKS, Ground
 
@@ -113,6 +114,25 @@ def scouting(
         coverage=tuple(watch.coverage),
         ended=ended,
     )
+
+
+def scout_mission(
+    instance: Instance, options: StagedOptions
+) -> tuple[Instance, ScoutingReport | None]:
+    """The mission with the victims that its scouts find, and their report.
+
+    Without scouts all victims are known, and there is no report.
+    """
+    if not instance.scouts:
+        return instance, None
+    report = scouting(
+        instance, walk=options.walk, shared_table=options.shared_table, seed=options.seed
+    )
+    if not report.not_found:
+        return instance, report
+    hidden = set(report.not_found)
+    found = [v for v, victim in enumerate(instance.victims) if victim.id not in hidden]
+    return instance.with_victims(found), report
 
 
 class _Watch:

@@ -80,9 +80,7 @@ def without(remaining: NDArray[np.bool_], stops: Iterable[Stop]) -> NDArray[np.b
     return left
 
 
-def nearest_first(
-    distances: DistanceTable, start: Cell, cells: Sequence[Cell]
-) -> list[int]:
+def nearest_first(distances: DistanceTable, start: Cell, cells: Sequence[Cell]) -> list[int]:
     """Positions in `cells`, always the nearest of the rest next; ties to the first."""
     order: list[int] = []
     left = list(range(len(cells)))

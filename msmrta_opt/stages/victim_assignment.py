@@ -15,6 +15,7 @@ from ..optimise.formulation import VictimData
 from ..optimise.solution import Solution
 from ..optimise.solve import solve
 from .cluster_assignment import binary, kinds
+from .options import StagedOptions
 from .situation import Situation, Stop, nearest_first
 
 STAGE = "B3"
@@ -33,11 +34,9 @@ def victim_assignment(
     stops: Sequence[Stop],
     remaining: NDArray[np.bool_],
     data: VictimData,
-    *,
-    model: str,
-    beta: float,
+    options: StagedOptions,
 ) -> VictimAssignment:
-    """Solve Eq. 2 by the formulation `model`, and queue what each robot serves.
+    """Solve Eq. 2, and queue what each robot serves.
 
     Parameters
     ----------
@@ -45,6 +44,10 @@ def victim_assignment(
         Stage B2.
     remaining : bool array, shape (n_victims, n_kinds)
         Available requirements that B2 leaves open.
+    data : VictimData
+        From `performance_analysis`.
+    options : StagedOptions
+        ``victim_model`` and ``beta``.
 
     Raises
     ------
@@ -53,7 +56,7 @@ def victim_assignment(
     """
     if not data.can_serve.any():
         return VictimAssignment([], None)
-    solution = solve(model, data, beta=beta).require()
+    solution = solve(options.victim_model, data, beta=options.beta).require()
     chosen = binary(solution, data.can_serve.shape)
     cells = situation.instance.cells
     ends, _ = situation.after(stops)

@@ -19,7 +19,8 @@ __all__ = ["Ability", "Options", "Outcome", "Solver", "get", "solvers"]
 def solvers() -> dict[str, Solver]:
     """All solvers by name, whether installed or not."""
     modules = (
-        importlib.import_module(f"{__name__}.{info.name}") for info in pkgutil.iter_modules(__path__)
+        importlib.import_module(f"{__name__}.{info.name}")
+        for info in pkgutil.iter_modules(__path__)
     )
     found = [module.SOLVER for module in modules if hasattr(module, "SOLVER")]
     return {solver.name: solver for solver in sorted(found, key=lambda solver: solver.rank)}

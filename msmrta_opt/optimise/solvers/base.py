@@ -18,6 +18,7 @@ Ability = Literal[
     "integer", "lp", "time_limit", "gap", "seed", "threads", "start", "verbose", "bound", "duals"
 ]
 
+
 @dataclass(frozen=True)
 class Options:
     """Options with one meaning for every solver. ``None`` leaves the solver's own default.

@@ -37,7 +37,7 @@ def run(program: Program, options: Options) -> Outcome:
 
 def _set_options(highs: Any, options: Options, *, integer: bool) -> None:
     # HiGHS has one scheduler per process; a new number of threads needs a new scheduler.
-    global _threads_in_use  # noqa: PLW0603
+    global _threads_in_use
     threads = options.threads or 1
     if _threads_in_use not in (None, threads):
         highs.resetGlobalScheduler(True)
@@ -134,7 +134,9 @@ def _unbounded_or_infeasible(program: Program, options: Options, began: float) -
         return Outcome("unbounded", answer.x, message="unbounded")
     if answer.status == "infeasible":
         return answer
-    return Outcome("no_solution", message="unbounded or infeasible, and stopped before it was known")
+    return Outcome(
+        "no_solution", message="unbounded or infeasible, and stopped before it was known"
+    )
 
 
 SOLVER = Solver(
@@ -144,7 +146,18 @@ SOLVER = Solver(
     module="highspy",
     install="pip install highspy",
     abilities=frozenset(
-        ["integer", "lp", "time_limit", "gap", "seed", "threads", "start", "verbose", "bound", "duals"]
+        [
+            "integer",
+            "lp",
+            "time_limit",
+            "gap",
+            "seed",
+            "threads",
+            "start",
+            "verbose",
+            "bound",
+            "duals",
+        ]
     ),
     run=run,
     rank=1,

@@ -6,12 +6,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields
-from typing import Any, get_args, get_type_hints
+from typing import Any, Literal, get_args, get_type_hints
 
 from ..mission.errors import InputError
-from ..stages.cluster_assignment import Members, Weights
-from ..stages.performance_analysis import Performance
-from ..stages.robot_assignment import Award
+
+Weights = Literal["text", "authors"]
+Members = Literal["all", "partial"]
+Performance = Literal["pair", "robot"]
+Award = Literal["sealed", "sequential"]
 
 
 @dataclass(frozen=True)
@@ -29,19 +31,24 @@ class StagedOptions:
     seed: int = 0
     """Of scouting and K-means."""
     weights: Weights = "text"
-    """What w of Eq. 1 counts: all requirements, or (authors) those of partial victims."""
+    """What w of Eq. 1 counts of what r can serve in c: all of it (``text``), or only that of
+    victims that r satisfies partially (``authors``)."""
     members: Members = "all"
-    """Which members of its cluster a robot serves: all it can, or (partial) only partly."""
+    """Which members of its cluster a robot serves: all that it can, or only those that it
+    satisfies partially (``partial``)."""
     performance: Performance = "pair"
-    """Times of Eq. 2 per robot and victim, or per robot alone."""
+    """Times of Eq. 2 per robot and victim (``pair``), or per robot alone (``robot``)."""
     award: Award = "sealed"
-    """Auction with all bids in before any award, or with bids updated after each."""
+    """Auction with all bids in before any award (``sealed``), or with the winner's queue, and so
+    its next bid, updated after each award (``sequential``)."""
     through_centre: bool = True
     """Whether a robot passes its cluster's centre."""
     pinned_clusters: bool = True
     """Whether the instance's own clusters are used where it has them."""
     budget: int = 2
     """Most clusters, or victims, of a robot, in formulations that limit them."""
+    endurance: float | None = None
+    """Most time units that a robot may be busy, in formulations of Eq. 2 that limit it."""
     walk: str = "ant_colony"
     """How scouts walk."""
     shared_table: bool = True
@@ -60,6 +67,8 @@ class StagedOptions:
                 )
         if not (isinstance(self.budget, int) and self.budget >= 1):
             raise InputError(f"{self.budget!r}; give a whole number, 1 or more", field="budget")
+        if self.endurance is not None and not (_is_number(self.endurance) and self.endurance >= 0):
+            raise InputError(f"{self.endurance!r}; give time units, 0 or more", field="endurance")
         if not (isinstance(self.seed, int) and 0 <= self.seed < 2**32):
             raise InputError(f"{self.seed!r}; give a whole number, 0 to 2**32 - 1", field="seed")
 
