@@ -8,16 +8,15 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import cvxpy as cp
 import numpy as np
+from cvxpy.error import DCPError, DPPError, ParameterError, SolverError
 
 from ..mission.errors import InputError, ModelError
 from .program import Block, Program
 from .registry import Formulation
-
-if TYPE_CHECKING:
-    import cvxpy as cp
 
 AUXILIARY = "auxiliary"
 """Name of columns and rows that cvxpy adds, for instance for a maximum in the objective."""
@@ -45,8 +44,6 @@ class Compiled:
         InputError
             If a parameter is unknown or out of its range.
         """
-        import cvxpy as cp
-
         values = parameter_values(self.formulation, parameters)
         for name, value in values.items():
             if name in self.problem.param_dict:
@@ -110,9 +107,6 @@ def compile_formulation(formulation: Formulation, data: object) -> Compiled:
     ModelError
         If building fails, or the program is not a linear (integer) one.
     """
-    import cvxpy as cp
-    from cvxpy.error import DCPError, DPPError, ParameterError, SolverError
-
     began = time.perf_counter()
     name = formulation.name
     try:

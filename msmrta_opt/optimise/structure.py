@@ -188,8 +188,9 @@ def _interval(core: Core) -> Structure | None:
 def _two_colours(n: int, first: Ints, second: Ints, differ: Bools) -> Ints | None:
     """Colours 0 and 1 of `n` nodes, or ``None`` if there are none that fit.
 
-    They fit if the ends of each edge differ where ``differ`` says so, and agree elsewhere. In the double cover a node is joined to another's copy where they differ; colours exist if and
-    only if no node is connected to its own copy.
+    They fit if the ends of each edge differ where ``differ`` says so, and agree elsewhere. In the
+    double cover a node is joined to another's copy where they differ; colours exist if and only if
+    no node is connected to its own copy.
     """
     other = np.where(differ, second + n, second)
     mirror = np.where(differ, second, second + n)

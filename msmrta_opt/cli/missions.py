@@ -1,0 +1,161 @@
+"""Commands about missions: plan, check, scout."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+InstanceFile = Annotated[Path, typer.Argument(help="An instance file.", metavar="INSTANCE")]
+Json = Annotated[Path | None, typer.Option("--json", help="Write the result here, as JSON.")]
+Figure = Annotated[Path | None, typer.Option(help="Write the picture here: .png, .svg or .pdf.")]
+Seed = Annotated[int | None, typer.Option(help="Of all random choices.  [default: 0]")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add this file's commands to `app`."""
+    for command in (plan, check, scout):
+        app.command()(command)
+
+
+def plan(
+    instance: InstanceFile,
+    planner: Annotated[str, typer.Option(help="Which planner.")] = "msmrta",
+    preset: Annotated[str | None, typer.Option(help="paper or authors.  [default: paper]")] = None,
+    psi: Annotated[float | None, typer.Option(help="ψ of Eq. 1, 0 to 1.  [default: 0.95]")] = None,
+    beta: Annotated[float | None, typer.Option(help="β of Eq. 2, 0 to 1.  [default: 0.5]")] = None,
+    cluster_model: Annotated[str | None, typer.Option(help="Formulation of Eq. 1.")] = None,
+    victim_model: Annotated[str | None, typer.Option(help="Formulation of Eq. 2.")] = None,
+    seed: Seed = None,
+    through_centre: Annotated[
+        bool | None,
+        typer.Option("--through-centre/--direct", help="Pass the cluster's centre, or not."),
+    ] = None,
+    option: Annotated[
+        list[str] | None,
+        typer.Option(help="Any other option of the planner, as NAME=VALUE.", metavar="NAME=VALUE"),
+    ] = None,
+    json: Json = None,
+    figure: Figure = None,
+) -> None:
+    """Plan a mission, and print its tables, its metrics and the proofs behind them."""
+    from ..mission.instance import Instance
+    from ..planners import plan as make_plan
+    from .outputs import check_outputs
+    from .tables import show_plan
+
+    check_outputs(json, figure=figure)
+    given = {
+        "preset": preset,
+        "psi": psi,
+        "beta": beta,
+        "cluster_model": cluster_model,
+        "victim_model": victim_model,
+        "seed": seed,
+        "through_centre": through_centre,
+        **dict(_named(text) for text in option or []),
+    }
+    options = {name: value for name, value in given.items() if value is not None}
+    made = make_plan(Instance.read(instance), planner=planner, **options)
+    show_plan(made)
+    if json is not None:
+        made.save(json)
+        typer.echo(f"plan written to {json}")
+    if figure is not None:
+        from ..plots import save_figure
+
+        save_figure(made.plot(), figure)
+        typer.echo(f"picture written to {figure}")
+
+
+def check(
+    files: Annotated[list[Path], typer.Argument(help="Instance and plan files.", metavar="FILE…")],
+) -> None:
+    """Check instances and plans; plans by a checker that shares no code with the planners."""
+    from ..mission.check import problems
+    from ..mission.instance import Instance
+    from ..mission.plan import Plan
+    from .outputs import document_format
+
+    failed = False
+    for file in files:
+        if document_format(file).startswith("msmrta-plan"):
+            plan = Plan.read(file)
+            wrong = problems(plan)
+            for problem in wrong:
+                typer.echo(f"{file}: {problem}", err=True)
+            failed = failed or bool(wrong)
+            if not wrong:
+                typer.echo(f"{file}: the plan holds ({plan.metrics.n_served} requirements served)")
+        else:
+            instance = Instance.read(file)
+            typer.echo(
+                f"{file}: a valid instance ({instance.n_robots} robots, "
+                f"{instance.n_victims} victims, {len(instance.scouts)} scouts)"
+            )
+    if failed:
+        raise typer.Exit(1)
+
+
+def scout(
+    instance: InstanceFile,
+    walk: Annotated[str, typer.Option(help="ant_colony, random or levy.")] = "ant_colony",
+    shared_table: Annotated[
+        bool,
+        typer.Option("--shared-table/--own-tables", help="One table of visits, or one per scout."),
+    ] = True,
+    steps: Annotated[int | None, typer.Option(help="Step limit.")] = None,
+    until: Annotated[str, typer.Option(help="covered_or_found, or covered.")] = "covered_or_found",
+    seed: Seed = None,
+    json: Json = None,
+    figure: Figure = None,
+) -> None:
+    """Send out an instance's scouts, and print who found whom, and when."""
+    from ..mission.files import write_text
+    from ..mission.instance import Instance
+    from ..stages.scouting import scouting
+    from .console import say, table
+    from .outputs import check_outputs
+
+    check_outputs(json, figure=figure)
+    mission = Instance.read(instance)
+    report = scouting(
+        mission,
+        walk=walk,
+        shared_table=shared_table,
+        seed=seed or 0,
+        max_steps=steps,
+        stop=until,
+    )
+    rows = [(find.victim, find.scout, find.step) for find in report.finds]
+    table("Victims found", ["victim", "scout", "step"], rows)
+    say(
+        f"{len(report.finds)} of {mission.n_victims} victims found in {len(report.coverage) - 1} "
+        f"steps, {report.coverage[-1]:.1%} of the reachable area seen; ended: {report.ended}."
+    )
+    if report.not_found:
+        say(f"Not found: {', '.join(map(str, report.not_found))}.")
+    if json is not None:
+        write_text(json, report.model_dump_json(indent=1) + "\n")
+        typer.echo(f"report written to {json}")
+    if figure is not None:
+        from .outputs import scouting_figure
+
+        scouting_figure(mission, report, figure)
+        typer.echo(f"picture written to {figure}")
+
+
+def _named(text: str) -> tuple[str, Any]:
+    """``NAME=VALUE`` with the value read as JSON where it is, else as text."""
+    import json
+
+    from ..mission.errors import InputError
+
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise InputError(f"{text!r}; give NAME=VALUE", field="--option")
+    try:
+        return name.replace("-", "_"), json.loads(value)
+    except json.JSONDecodeError:
+        return name.replace("-", "_"), value

@@ -1,0 +1,69 @@
+"""Files that commands read and write: looked at before any work is done, so nothing is half-written."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from ..mission.errors import InputError
+from ..mission.files import read_text
+from ..mission.instance import Instance
+from ..mission.plan import ScoutingReport
+
+
+def check_outputs(*files: Path | None, figure: Path | None = None) -> None:
+    """Refuse outputs that could not be written, before there is anything to write.
+
+    Raises
+    ------
+    InputError
+        If a folder does not exist, a file is a folder, or a picture's format is unknown.
+    """
+    for file in (*files, figure):
+        if file is None:
+            continue
+        if file.is_dir():
+            raise InputError("is a folder; give a file", file=file)
+        if not file.parent.is_dir():
+            raise InputError(f"no folder {str(file.parent)!r} to write it in", file=file)
+    if figure is not None:
+        from ..plots import FORMATS
+
+        if figure.suffix.lower().removeprefix(".") not in FORMATS:
+            known = ", ".join(f".{name}" for name in FORMATS)
+            raise InputError(
+                f"unknown picture format {figure.suffix!r}; the suffix is one of {known}",
+                file=figure,
+            )
+
+
+def document_format(path: Path) -> str:
+    """The ``format`` of a JSON document, empty if it has none.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is not a JSON object.
+    """
+    try:
+        document = json.loads(read_text(path))
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"broken JSON: {error.msg} at line {error.lineno} column {error.colno}", file=path
+        ) from None
+    if not isinstance(document, dict):
+        raise InputError("not a JSON object; give an instance or a plan", file=path)
+    return str(document.get("format", ""))
+
+
+def scouting_figure(instance: Instance, report: ScoutingReport, path: Path) -> None:
+    """Write the picture of a scouting: where the scouts went, and coverage over time."""
+    from matplotlib.figure import Figure
+
+    from ..plots import plot_coverage, plot_scouting, save_figure
+
+    figure = Figure(figsize=(12, 6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    plot_scouting(instance, report, ax=left)
+    plot_coverage(report, ax=right)
+    save_figure(figure, path)
