@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mission.grid import Cell
+from .k_means import k_means
 from .options import StagedOptions
 from .situation import Situation
-
-N_STARTS = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,26 +67,14 @@ def clustering(situation: Situation, options: StagedOptions) -> Clustering:
         return Clustering(np.empty(0, dtype=np.int64), np.empty((0, 2)), [], pinned=False)
     locations = np.array(instance.cells, dtype=float)
     pinned = options.pinned_clusters and instance.clusters is not None
-    labels = (
-        np.array(instance.clusters)
-        if pinned
-        else _k_means(locations, instance.n_robots, options.seed)
-    )
+    k = min(instance.n_robots, len(set(instance.cells)))
+    labels = np.array(instance.clusters) if pinned else k_means(locations, k, options.seed)
     # Scouts may not have found any member of a pinned cluster, so labels are made consecutive.
     _, labels = np.unique(labels, return_inverse=True)
     count = np.bincount(labels)
     centres = np.stack([np.bincount(labels, weights=axis) / count for axis in locations.T], axis=1)
     cells = [_centre_cell(situation, centres[c], labels == c) for c in range(len(count))]
     return Clustering(labels.astype(np.int64), centres, cells, pinned)
-
-
-def _k_means(locations: NDArray[np.float64], n_robots: int, seed: int) -> NDArray[np.int64]:
-    from sklearn.cluster import KMeans
-
-    k = min(n_robots, len(np.unique(locations, axis=0)))
-    fitted = KMeans(n_clusters=k, n_init=N_STARTS, random_state=seed).fit(locations)
-    labels: NDArray[np.int64] = fitted.labels_.astype(np.int64)
-    return labels
 
 
 def _centre_cell(

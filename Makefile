@@ -1,0 +1,39 @@
+# Two commands: `make demo` plans the paper's mission, `make test` checks everything.
+# They need Python 3.11 or later and make, and install into .venv.
+
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+
+.PHONY: demo test lint types unit figure schema clean
+
+demo: $(VENV)/.installed
+	@mkdir -p out
+	$(BIN)/msmrta plan instances/paper.json --json out/paper-plan.json --figure out/paper.png
+
+test: lint types unit
+
+lint: $(VENV)/.installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(VENV)/.installed
+	$(BIN)/mypy
+
+unit: $(VENV)/.installed
+	$(BIN)/python -m pytest -n auto
+
+# The README's picture, and the published schema.
+figure: demo
+	cp out/paper.png docs/paper.png
+
+schema: $(VENV)/.installed
+	$(BIN)/python -m msmrta_opt.mission.schema
+
+$(VENV)/.installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,solvers]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,0 +1,153 @@
+"""How long Algorithm 1 takes, stage by stage, against the least it could take.
+
+The floor, measured beside each plan on the same mission, is the work that no implementation avoids:
+the walking distances by one compiled breadth-first search per start and victim, one K-means fit
+(the planner's own: ten starts, one thread), and two linear assignments of the sizes of Eq. 1 and
+Eq. 2. A stricter floor has K-means with a single start.
+
+    python benchmarks/planning.py [--repetitions 5] [--maps DIR]
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse.csgraph import dijkstra
+from sklearn.cluster import KMeans
+from threadpoolctl import threadpool_limits
+
+import msmrta_opt as mo
+from msmrta_opt.stages.k_means import N_STARTS
+
+ROBOTS = (2, 4, 6, 8, 10)
+VICTIMS = (10, 40, 70, 100)
+MAPS = Path(__file__).parents[1] / "instances" / "maps"
+
+
+def median(function: Callable[[], object], repetitions: int) -> float:
+    """Median seconds of a call."""
+    times = []
+    for _ in range(repetitions):
+        began = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - began)
+    return statistics.median(times)
+
+
+def floor(mission: mo.Instance, n_starts: int) -> Callable[[], None]:
+    """The least work of Algorithm 1 from instance to assignment, on the data of `mission`."""
+    random = np.random.RandomState(0)
+    n, m = mission.n_robots, mission.n_victims
+    locations = np.array(mission.cells, dtype=float)
+    k = min(n, len(np.unique(locations, axis=0)))
+    sources = [r * mission.map.shape[1] + c for r, c in [*mission.starts, *mission.cells]]
+    adjacency = mission.map.adjacency
+    eq1, eq2 = random.random_sample((n, k)), random.random_sample((n, m))
+
+    def work() -> None:
+        dijkstra(adjacency, indices=sources, unweighted=True)
+        KMeans(n_clusters=k, n_init=n_starts, random_state=0).fit(locations)
+        linear_sum_assignment(eq1)
+        linear_sum_assignment(eq2)
+
+    return work
+
+
+def measure(grid: mo.GridMap, n_robots: int, n_victims: int, repetitions: int) -> dict[str, float]:
+    """Median seconds per stage, of the floors, and of the whole, over fresh missions."""
+    stages: dict[str, list[float]] = {}
+    floors: list[float] = []
+    strict: list[float] = []
+    for seed in range(repetitions):
+        mission = mo.random_mission(grid, n_robots, n_victims, seed=seed)
+        plan = mo.plan(mission)
+        for stage, seconds in plan.planning_seconds.items():
+            stages.setdefault(stage, []).append(seconds)
+        floors.append(median(floor(mission, N_STARTS), 1))
+        strict.append(median(floor(mission, 1), 1))
+    row = {stage: statistics.median(times) for stage, times in stages.items()}
+    until_assignment = [
+        sum(times[i] for stage, times in stages.items() if stage != "path planning")
+        for i in range(repetitions)
+    ]
+    row["to assignment"] = statistics.median(until_assignment)
+    row["floor"] = statistics.median(floors)
+    row["ratio"] = statistics.median(a / b for a, b in zip(until_assignment, floors, strict=True))
+    row["strict ratio"] = statistics.median(
+        a / b for a, b in zip(until_assignment, strict, strict=True)
+    )
+    return row
+
+
+def measure_all(
+    grids: list[mo.GridMap], repetitions: int
+) -> dict[tuple[str, int, int], dict[str, float]]:
+    """`measure` for every map and size."""
+    return {
+        (grid.name, n, m): measure(grid, n, m, repetitions)
+        for grid in grids
+        for n in ROBOTS
+        for m in VICTIMS
+    }
+
+
+def start_up(repetitions: int) -> None:
+    """Print what starting costs, against importing numpy."""
+    commands = {
+        "import numpy": [sys.executable, "-c", "import numpy"],
+        "import msmrta_opt": [sys.executable, "-c", "import msmrta_opt"],
+        "msmrta --help": [
+            sys.executable,
+            "-c",
+            "import sys; sys.argv = ['msmrta', '--help']; from msmrta_opt.cli import main; main()",
+        ],
+    }
+    seconds = {
+        name: median(
+            lambda c=command: subprocess.run(c, check=True, capture_output=True), repetitions
+        )
+        for name, command in commands.items()
+    }
+    for name, value in seconds.items():
+        print(f"{name:20s} {value * 1e3:7.1f} ms   {value / seconds['import numpy']:5.2f}× numpy")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repetitions", type=int, default=5)
+    parser.add_argument("--maps", type=Path, default=MAPS)
+    arguments = parser.parse_args()
+    grids = [mo.read_map(path) for path in sorted(arguments.maps.glob("*.map"))]
+    mo.plan(mo.random_mission(grids[0], 2, 10, seed=0))  # loads the libraries
+
+    with threadpool_limits(1):
+        rows = measure_all(grids, arguments.repetitions)
+    columns = [c for c in next(iter(rows.values())) if c != "scouting"]
+    print("Median milliseconds per stage; ratios are to the floor of the same run")
+    print("map    N   M " + " ".join(f"{column[:13]:>13s}" for column in columns))
+    for (name, n, m), row in rows.items():
+        cells = [row[c] if "ratio" in c else row[c] * 1e3 for c in columns]
+        print(f"{name:5s} {n:2d} {m:3d} " + " ".join(f"{cell:13.2f}" for cell in cells))
+
+    largest = [row for (_, n, m), row in rows.items() if (n, m) == (ROBOTS[-1], VICTIMS[-1])]
+    print(f"\n10 × 100: {statistics.median(row['ratio'] for row in largest):.2f}× its floor;")
+    strict = statistics.median(row["strict ratio"] for row in largest)
+    print(f"          {strict:.2f}× a floor whose K-means has one start")
+    size = np.log([n * m for _, n, m in rows])
+    for what in ("to assignment", "path planning"):
+        seconds = np.log([row[what] for row in rows.values()])
+        print(f"growth of {what}: (N M)^{np.polyfit(size, seconds, 1)[0]:.2f}")
+    print()
+    start_up(arguments.repetitions)
+
+
+if __name__ == "__main__":
+    main()
