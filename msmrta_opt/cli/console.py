@@ -35,12 +35,13 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) 
     from rich.text import Text
 
     body = [[_cell(value) for value in row] for row in rows]
-    raw = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE, pad_edge=False)
+    raw = Table(box=SIMPLE, pad_edge=False)
     for i, column in enumerate(columns):
         numeric = bool(body) and all(_is_number(row[i]) for row in body)
         raw.add_column(column, justify="right" if numeric else "left", overflow="fold")
     for row in body:
         raw.add_row(*(Text(value) for value in row))
+    console().print(title, style="bold", markup=False)
     console().print(raw)
 
 

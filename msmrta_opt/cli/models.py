@@ -1,24 +1,41 @@
-"""Commands about formulations and solvers: models."""
+"""Commands about formulations and solvers: models, show, new-model, solvers."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+if TYPE_CHECKING:
+    from ..mission.instance import Instance
+    from ..optimise.registry import Formulation, Listing
+
 Folders = Annotated[
-    list[Path] | None, typer.Option("--models", help="A further folder of formulations.")
+    list[Path] | None,
+    typer.Option("--models", help="A further folder of formulations.", metavar="DIR"),
 ]
+Model = Annotated[str, typer.Argument(help="A formulation.", metavar="MODEL")]
 
 
 def register(app: typer.Typer) -> None:
     """Add this file's commands to `app`."""
-    for command in (models,):
+    for command in (models, show, new_model, solvers):
         app.command()(command)
 
 
+def add_folders(folders: list[Path] | None) -> None:
+    """Make the formulations of `folders` known."""
+    from ..optimise import registry
+
+    for folder in folders or []:
+        registry.add_models(folder)
+
+
 def models(
+    instance: Annotated[
+        Path | None, typer.Argument(help="Show sizes on this instance.", metavar="[INSTANCE]")
+    ] = None,
     folders: Folders = None,
     stage: Annotated[str | None, typer.Option(help="Only those of this stage.")] = None,
 ) -> None:
@@ -26,23 +43,154 @@ def models(
     from ..optimise import registry
     from .console import say, table
 
-    for folder in folders or []:
-        registry.add_models(folder)
+    add_folders(folders)
+    mission = None
+    if instance is not None:
+        from ..mission.instance import Instance
+
+        mission = Instance.read(instance)
     found = list(registry.listings(stage))
-    rows = [
-        (
-            item.name,
-            item.formulation.spec.stage,
-            item.formulation.spec.title,
-            ", ".join(
-                f"{name} in [{p.low:g}, {p.high:g}]"
-                for name, p in item.formulation.spec.parameters.items()
-            ),
-        )
-        for item in found
-        if item.formulation is not None
-    ]
-    table("Formulations", ["name", "stage", "what it is", "parameters"], rows)
+    columns = ["name", "stage", "what it is", "parameters"]
+    rows = [(*_about(item), *(_size(item, mission) if mission else ())) for item in found]
+    table("Formulations", [*columns, *(("variables", "rows") if mission else ())], rows)
     for item in found:
         if item.formulation is None:
             say(f"broken: {item.path}: {item.error}")
+
+
+def _about(item: Listing) -> tuple[str, str, str, str]:
+    if item.formulation is None:
+        return item.name, "–", f"broken: {item.error}", ""
+    spec = item.formulation.spec
+    ranges = (f"{name} in [{p.low:g}, {p.high:g}]" for name, p in spec.parameters.items())
+    return item.name, spec.stage, spec.title, ", ".join(ranges)
+
+
+def _size(item: Listing, instance: Instance) -> tuple[str, str]:
+    from ..mission.errors import MsmrtaError
+    from ..optimise.compile import compile_formulation
+    from ..stages.data import stage_data
+    from ..stages.options import StagedOptions
+
+    if item.formulation is None:
+        return "", ""
+    try:
+        data = stage_data(instance, item.formulation.spec.stage, StagedOptions())
+        program = compile_formulation(item.formulation, data).program()
+    except MsmrtaError as error:
+        return "–", str(error)
+    return str(program.n_columns), str(program.n_rows)
+
+
+def show(
+    model: Model,
+    instance: Annotated[
+        Path | None, typer.Argument(help="Show the program on this one.", metavar="[INSTANCE]")
+    ] = None,
+    folders: Folders = None,
+) -> None:
+    """Print a formulation's mathematics; for an instance also its size and structure."""
+    from ..optimise import registry
+    from .console import say
+
+    add_folders(folders)
+    formulation = registry.get(model)
+    say(formulation.mathematics)
+    say()
+    for name, item in formulation.spec.parameters.items():
+        say(f"{name}: {item.meaning}, {item.low:g} to {item.high:g}, default {item.default:g}")
+    if formulation.spec.assumes:
+        say(f"Assumes: {formulation.spec.assumes}")
+    say(f"File: {formulation.path}")
+    if instance is not None:
+        _show_program(formulation, instance)
+
+
+def _show_program(formulation: Formulation, path: Path) -> None:
+    import numpy as np
+
+    from ..mission.instance import Instance
+    from ..optimise.compile import compile_formulation
+    from ..optimise.structure import recognise
+    from ..stages.data import stage_data
+    from ..stages.options import StagedOptions
+    from .console import seconds, table
+
+    mission = Instance.read(path)
+    data = stage_data(mission, formulation.spec.stage, StagedOptions())
+    compiled = compile_formulation(formulation, data)
+    program = compiled.program()
+    binary = program.integer & (program.lower >= 0) & (program.upper <= 1)
+    n_fixed = int(np.count_nonzero(program.lower == program.upper))
+    n_equations = int(np.count_nonzero(program.row_lower == program.row_upper))
+    n_entries = program.matrix.nnz
+    area = max(program.n_rows * program.n_columns, 1)
+    structure = recognise(program)
+    rows: list[tuple[str, object]] = [
+        ("sense", program.sense),
+        ("variables", program.n_columns),
+        ("– binary", int(np.count_nonzero(binary))),
+        ("– general integer", int(np.count_nonzero(program.integer & ~binary))),
+        ("– continuous", int(np.count_nonzero(~program.integer))),
+        ("– fixed by their bounds", n_fixed),
+        ("rows", program.n_rows),
+        ("– equations", n_equations),
+        ("entries", f"{n_entries} ({n_entries / area:.2%} of the matrix)"),
+        ("structure", structure.description if structure else "none recognised"),
+        ("built and canonicalised in", seconds(compiled.seconds)),
+    ]
+    rows += [(f"rows '{block.name}'", block.size) for block in program.rows]
+    table(f"On {mission.name or path}", ["what", "value"], rows)
+
+
+def new_model(
+    name: Annotated[str, typer.Argument(help="The new formulation's name.", metavar="NAME")],
+    source: Annotated[str, typer.Option("--from", help="The one to copy.", metavar="MODEL")],
+    to: Annotated[
+        Path | None,
+        typer.Option(help="The folder to put it in.  [default: the source's own]", metavar="DIR"),
+    ] = None,
+    folders: Folders = None,
+) -> None:
+    """Copy a formulation to a new file, to edit."""
+    from ..mission.errors import InputError
+    from ..mission.files import read_text, write_text
+    from ..optimise import registry
+    from .console import say
+
+    add_folders(folders)
+    if not name.isidentifier() or name.startswith("_"):
+        raise InputError(f"{name!r}; give a Python name such as cluster_mine", field="NAME")
+    if to is not None:
+        registry.add_models(to)
+    original = registry.get(source)
+    taken = [item.path for item in registry.listings() if item.name == name]
+    if taken:
+        raise InputError(f"{name!r} is already the name of {taken[0]}", field="NAME")
+    if to is None and "_shipped" in original.path.parts:
+        raise InputError("the installed formulations are not to be edited; give --to DIR")
+    path = (to or original.path.parent) / f"{name}.py"
+    write_text(path, read_text(original.path))
+    say(f"{path} is a copy of {source}: edit it, then `msmrta show {name}`")
+
+
+def solvers() -> None:
+    """List the solvers: what each can do, its version, or how to install it."""
+    from ..optimise.solvers import solvers as all_solvers
+    from .console import table
+
+    abilities = ["integer", "lp", "bound", "duals", "time_limit", "gap", "seed", "threads", "start"]
+    table(
+        "Solvers",
+        ["name", "what it is", "version", *abilities, "install"],
+        [
+            (
+                solver.name,
+                solver.title,
+                solver.version if solver.installed else "–",
+                *("yes" if ability in solver.abilities else "" for ability in abilities),
+                "" if solver.installed else solver.install,
+            )
+            for solver in all_solvers().values()
+        ],
+    )

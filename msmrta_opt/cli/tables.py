@@ -130,7 +130,10 @@ def _metrics(plan: Plan) -> None:
     m = plan.metrics
     per_robot = ", ".join(f"{robot}: {cells}" for robot, cells in m.distance_of.items())
     rows = [
-        ("available requirements served", f"{m.n_served} of {m.n_available} ({m.served_share:.0%})"),
+        (
+            "available requirements served",
+            f"{m.n_served} of {m.n_available} ({m.served_share:.0%})",
+        ),
         ("victims fully served", f"{m.victims_fully_served} of {plan.instance.n_victims}"),
         ("distance", f"{m.distance} cells ({per_robot})"),
         ("total time, travel and service", f"{number(m.total_time)} time units"),
@@ -158,7 +161,10 @@ def _certificates(plan: Plan) -> None:
         for item in plan.certificates
     ]
     if rows:
-        columns = "program model sense objective bound gap status check solver proof".split()
+        columns = [
+            *("program", "model", "sense", "objective", "bound", "gap"),
+            *("status", "check", "solver", "proof"),
+        ]
         table("Certificates of the integer programs", columns, rows)
 
 

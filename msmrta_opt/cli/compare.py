@@ -1,0 +1,229 @@
+"""The command compare: formulations × solvers × instances."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .missions import Figure, Json
+
+if TYPE_CHECKING:
+    from ..studies.compare import Row
+    from ..studies.score import Score
+
+
+def register(app: typer.Typer) -> None:
+    """Add this file's command to `app`."""
+    app.command()(compare)
+
+
+def compare(
+    instances: Annotated[list[Path], typer.Argument(metavar="INSTANCE…", help="Instance files.")],
+    stage: Annotated[str, typer.Option(help="clustering, cluster, victim or joint.")] = "cluster",
+    models: Annotated[
+        list[str] | None,
+        typer.Option(help="Formulations, or folders of them.  [default: all of the stage]"),
+    ] = None,
+    solvers: Annotated[
+        list[str] | None, typer.Option(help="Solvers.  [default: auto and all installed]")
+    ] = None,
+    seeds: Annotated[list[int] | None, typer.Option(help="The solvers' seeds.")] = None,
+    psi: Annotated[float, typer.Option(help="ψ of Eq. 1, 0 to 1.")] = 0.95,
+    beta: Annotated[float, typer.Option(help="β of Eq. 2, 0 to 1.")] = 0.5,
+    time_limit: Annotated[float, typer.Option(help="Seconds per solve.")] = 60.0,
+    memory_limit: Annotated[float, typer.Option(help="MiB per solve.")] = 4096.0,
+    gap: Annotated[float | None, typer.Option(help="Relative gap to stop at.")] = None,
+    jobs: Annotated[int, typer.Option(help="Solves at a time; 1 for comparable times.")] = 1,
+    scores: Annotated[
+        bool, typer.Option("--scores/--no-scores", help="Measure the plans that come of each.")
+    ] = True,
+    csv: Annotated[Path | None, typer.Option(help="Write the rows here.")] = None,
+    parquet: Annotated[Path | None, typer.Option(help="Write the rows here.")] = None,
+    json: Json = None,
+    figure: Figure = None,
+    save: Annotated[Path | None, typer.Option(help="Write a baseline here.")] = None,
+    against: Annotated[
+        Path | None, typer.Option(help="Compare with this baseline; a change exits with 1.")
+    ] = None,
+    slower: Annotated[
+        float | None, typer.Option(help="With --against: times beyond this ratio are a change.")
+    ] = None,
+) -> None:
+    """Compare formulations and solvers on instances, each solve in a process of its own."""
+    from tqdm import tqdm
+
+    from ..optimise import registry
+    from ..stages.options import StagedOptions
+    from ..studies import compare as study
+    from ..studies.regression import changes, read_baseline, save_baseline
+    from .console import console
+    from .outputs import check_outputs
+
+    check_outputs(csv, parquet, json, save, figure=figure)
+    baseline = None if against is None else read_baseline(against)
+    folders = [name for name in models or [] if Path(name).is_dir()]
+    for folder in folders:
+        registry.add_models(folder)
+    names = [name for entry in models or [] if entry not in folders for name in entry.split(",")]
+    if folders and not names:
+        inside = {path.stem for folder in folders for path in Path(folder).glob("[!_]*.py")}
+        names = [item.name for item in registry.listings(stage) if item.name in inside]
+    options = StagedOptions.of(psi=psi, beta=beta)
+    missions = study.read_instances(instances)
+    todo = study.cases(
+        missions,
+        stage=stage,
+        models=names,
+        solver_names=[name for entry in solvers or [] for name in entry.split(",")],
+        seeds=seeds or (),
+        options=options,
+        time_limit=time_limit,
+        gap=gap,
+    )
+    rows: list[Row] = []
+    measured: list[Score] = []
+    interrupted = False
+    try:
+        finished = study.compare(todo, jobs=jobs, memory_limit=memory_limit)
+        bar = tqdm(finished, total=len(todo), desc="solving", unit="solve", disable=None)
+        for row in bar:
+            rows.append(row)  # noqa: PERF402 - what is finished stays if Ctrl-C ends the loop
+        if scores:
+            measured = _scores(missions, stage, rows, options, time_limit, memory_limit)
+    except KeyboardInterrupt:
+        interrupted = True
+    order = {(c.instance.name, c.model, c.solver, c.seed): i for i, c in enumerate(todo)}
+    rows.sort(key=lambda row: order[row.key])
+    _show(rows, measured)
+    _write(rows, csv, parquet, json)
+    if figure is not None:
+        from ..plots import save_figure
+        from ..studies.pictures import performance_profile
+
+        save_figure(performance_profile(rows).get_figure(root=True), figure)
+    if interrupted:
+        console().print(f"interrupted: {len(rows)} of {len(todo)} solves are shown", style="yellow")
+        raise KeyboardInterrupt
+    if save is not None:
+        save_baseline(rows, save)
+    failed = study.disagreements(rows)
+    for line in failed:
+        console().print(f"disagreement: {line}", style="bold red", markup=False)
+    if baseline is not None:
+        different = changes(baseline, rows, slower=slower)
+        for line in different:
+            console().print(f"changed: {line}", style="red", markup=False)
+        if not different:
+            console().print(f"nothing has changed against {against}")
+        failed += different
+    if not failed:
+        console().print("all solves agree", style="green")
+    wrong = [row for row in rows if row.check not in ("", "passed")]
+    if failed or wrong:
+        raise typer.Exit(1)
+
+
+def _scores(
+    missions: list, stage: str, rows: list[Row], options: object, time: float, memory: float
+) -> list[Score]:
+    from ..studies.score import scores
+
+    sound = list(dict.fromkeys(row.model for row in rows if row.status in ("optimal", "feasible")))
+    return list(
+        scores(
+            missions,
+            stage=stage,
+            models=sound,
+            options=options,
+            time_limit=time + 20,
+            memory_limit=memory,
+        )
+    )
+
+
+def _show(rows: Sequence[Row], measured: Sequence[Score]) -> None:
+    from ..studies.compare import shifted_geometric_means
+    from .console import table
+
+    table(
+        "Solves (times in ms: canonicalise, solve, all from data to checked solution)",
+        [
+            *("instance", "model", "solver", "seed", "status", "objective", "bound", "gap"),
+            *("check", "canon.", "solve", "all", "nodes", "vars", "rows", "message"),
+        ],
+        [
+            (
+                row.instance,
+                row.model,
+                row.solver,
+                row.seed,
+                row.status,
+                row.objective,
+                row.bound,
+                row.gap,
+                row.check,
+                _milliseconds(row.canonicalise_seconds),
+                _milliseconds(row.solve_seconds),
+                _milliseconds(row.total_seconds),
+                row.nodes,
+                row.n_variables,
+                row.n_rows,
+                row.message if row.status not in ("optimal",) else "",
+            )
+            for row in rows
+        ],
+    )
+    table(
+        "Shifted geometric mean times of solves to optimality (ms, shift 10 ms)",
+        ["model", "solver", "mean", "optimal", "tried"],
+        [
+            (model, solver, _milliseconds(mean), solved, tried)
+            for (model, solver), (mean, solved, tried) in shifted_geometric_means(rows).items()
+        ],
+    )
+    if measured:
+        table(
+            "What each formulation does for the mission (the staged plan that comes of it)",
+            [
+                *("instance", "model", "Eq. 1", "Eq. 2", "B2", "B3", "B4"),
+                *("cells", "makespan", "total time", "mean completion", "message"),
+            ],
+            [
+                (
+                    item.instance,
+                    item.model,
+                    item.eq1,
+                    item.eq2,
+                    item.served_in_b2,
+                    item.served_in_b3,
+                    item.served_in_b4,
+                    item.distance,
+                    item.makespan,
+                    item.total_time,
+                    item.mean_completion,
+                    item.message,
+                )
+                for item in measured
+            ],
+        )
+
+
+def _milliseconds(value: float | None) -> str:
+    return "" if value is None or value != value else f"{value * 1e3:.1f}"
+
+
+def _write(rows: Sequence[Row], csv: Path | None, parquet: Path | None, json: Path | None) -> None:
+    import json as json_module
+
+    from ..mission.files import write_text, write_with
+    from ..studies.compare import as_documents, frame
+
+    if csv is not None:
+        write_with(csv, lambda path: frame(rows).to_csv(path, index=False))
+    if parquet is not None:
+        write_with(parquet, lambda path: frame(rows).to_parquet(path, index=False))
+    if json is not None:
+        write_text(json, json_module.dumps(as_documents(rows), indent=1) + "\n")

@@ -1,0 +1,1 @@
+"""Comparing formulations, solvers and planners, each run by itself."""

@@ -1,0 +1,349 @@
+"""Formulations × solvers × instances, each solve in a process of its own, and what they agree on."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..mission.errors import InputError, MsmrtaError
+from ..mission.instance import Instance
+from ..optimise import registry, solvers
+from ..optimise.solution import Solution, Status
+from ..optimise.solve import AUTO, solve
+from ..stages.data import stage_data
+from ..stages.options import StagedOptions
+from .isolate import Failure, run_isolated
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+TOLERANCE = 1e-6
+"""Relative difference up to which two optima agree."""
+GRACE_SECONDS = 20.0
+"""Time beyond the solver's limit after which a solve is killed; building is included."""
+SHIFT_SECONDS = 0.01
+"""Shift of the geometric means of solving times."""
+PRELOAD = ("msmrta_opt.studies.compare",)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One solve: what was asked, and what came of it. Times are in seconds."""
+
+    instance: str
+    stage: str
+    model: str
+    solver: str
+    seed: int | None
+    status: Status
+    sense: str = ""
+    objective: float | None = None
+    bound: float | None = None
+    gap: float | None = None
+    check: str = ""
+    proof: str = ""
+    message: str = ""
+    canonicalise_seconds: float | None = None
+    solve_seconds: float | None = None
+    total_seconds: float | None = None
+    nodes: int | None = None
+    n_variables: int | None = None
+    n_rows: int | None = None
+    solver_version: str = ""
+    machine: str = ""
+
+    @property
+    def key(self) -> tuple[str, str, str, int | None]:
+        """What identifies the solve: instance, model, solver, seed."""
+        return self.instance, self.model, self.solver, self.seed
+
+
+@dataclass(frozen=True)
+class Case:
+    """One solve to be done."""
+
+    instance: Instance
+    model: str
+    solver: str
+    seed: int | None
+    stage: str
+    options: StagedOptions
+    parameters: dict[str, float]
+    time_limit: float | None
+    gap: float | None
+    folders: tuple[str, ...]
+
+
+def cases(
+    instances: Sequence[Instance],
+    *,
+    stage: str,
+    models: Sequence[str] = (),
+    solver_names: Sequence[str] = (),
+    seeds: Sequence[int] = (),
+    options: StagedOptions | None = None,
+    parameters: dict[str, float] | None = None,
+    time_limit: float | None = None,
+    gap: float | None = None,
+) -> list[Case]:
+    """Every combination to solve, in the order of instances, models, solvers, seeds.
+
+    Without `models` all formulations of the stage are meant, broken files included; without
+    `solver_names` ``auto`` and every installed solver.
+
+    Raises
+    ------
+    InputError
+        If a solver or a model is unknown, or there is nothing to compare.
+    """
+    known = {item.name: item for item in registry.listings()}
+    for name in models:
+        if name not in known:
+            registry.get(name)
+    chosen = list(models) or [item.name for item in registry.listings(stage)]
+    for name in solver_names:
+        if name != AUTO:
+            solvers.get(name)
+    names = list(solver_names) or [
+        AUTO,
+        *(name for name, solver in solvers.solvers().items() if solver.installed),
+    ]
+    if not instances or not chosen:
+        raise InputError(f"no instance or no formulation of stage {stage!r}", field="compare")
+    folders = tuple(str(folder) for folder in registry.folders())
+    return [
+        Case(
+            instance,
+            model,
+            solver,
+            seed,
+            stage,
+            options or StagedOptions(),
+            parameters or {},
+            time_limit,
+            gap,
+            folders,
+        )
+        for instance, model, solver, seed in product(
+            instances, chosen, names, list(seeds) or [None]
+        )
+    ]
+
+
+def compare(
+    todo: Sequence[Case], *, jobs: int = 1, memory_limit: float | None = None
+) -> Iterator[Row]:
+    """Solve each of `todo` by itself; rows come as they are finished.
+
+    Parameters
+    ----------
+    todo : sequence of Case
+        From `cases`.
+    jobs : int
+        How many at a time; more than one makes times less comparable.
+    memory_limit : float, optional
+        MiB of memory per solve.
+    """
+    limits = {case.time_limit for case in todo if case.time_limit is not None}
+    deadline = max(limits) + GRACE_SECONDS if limits else None
+    results = run_isolated(
+        solve_case,
+        [(case,) for case in todo],
+        jobs=jobs,
+        time_limit=deadline,
+        memory_limit=memory_limit,
+        preload=PRELOAD,
+    )
+    for index, result in results:
+        case = todo[index]
+        yield _failed(case, result) if isinstance(result, Failure) else _row(case, *result)
+
+
+def solve_case(case: Case) -> tuple[Solution, float]:
+    """Solve one case, here; returns the solution and the wall time from data to checked solution.
+
+    A solver that is not installed, or cannot do what the case asks, gives a solution ``skipped``.
+    """
+    for folder in case.folders:
+        registry.add_models(folder)
+    formulation = registry.get(case.model, stage=case.stage)
+    reason = _cannot(case)
+    if reason:
+        skipped = Solution(case.model, "skipped", "min", message=reason, solver=case.solver)
+        return skipped, 0.0
+    data = stage_data(case.instance, case.stage, case.options)
+    given = {k: v for k, v in case.parameters.items() if k in formulation.spec.parameters}
+    given = {
+        name: getattr(case.options, name)
+        for name in formulation.spec.parameters
+        if hasattr(case.options, name)
+    } | given
+    able = case.solver == AUTO or "time_limit" in solvers.get(case.solver).abilities
+    began = time.perf_counter()
+    try:
+        solution = solve(
+            formulation,
+            data,
+            solver=case.solver,
+            seed=case.seed,
+            time_limit=case.time_limit if able else None,
+            gap=case.gap,
+            **given,
+        )
+    except MsmrtaError as error:
+        if "cannot do" in str(error):
+            skipped = Solution(case.model, "skipped", "min", message=str(error), solver=case.solver)
+            return skipped, 0.0
+        raise
+    return solution, time.perf_counter() - began
+
+
+def _cannot(case: Case) -> str:
+    if case.solver == AUTO:
+        return ""
+    solver = solvers.get(case.solver)
+    if not solver.installed:
+        return f"not installed; {solver.install}"
+    if case.seed is not None and "seed" not in solver.abilities:
+        return f"solver {solver.name} cannot do seed"
+    if case.gap is not None and "gap" not in solver.abilities:
+        return f"solver {solver.name} cannot do gap"
+    return ""
+
+
+def _row(case: Case, solution: Solution, total: float) -> Row:
+    solved = solution.status != "skipped"
+    return Row(
+        instance=case.instance.name,
+        stage=case.stage,
+        model=case.model,
+        solver=case.solver,
+        seed=case.seed,
+        status=solution.status,
+        sense=solution.sense if solved else "",
+        objective=solution.objective,
+        bound=solution.bound,
+        gap=solution.gap,
+        check=solution.check,
+        proof=solution.proof,
+        message=solution.message,
+        canonicalise_seconds=solution.canonicalise_seconds if solved else None,
+        solve_seconds=solution.solve_seconds if solved else None,
+        total_seconds=total if solved else None,
+        nodes=solution.nodes,
+        n_variables=solution.n_variables if solved else None,
+        n_rows=solution.n_rows if solved else None,
+        solver_version=solution.solver_version,
+        machine=platform.machine(),
+    )
+
+
+def _failed(case: Case, failure: Failure) -> Row:
+    message = (
+        failure.message if failure.reason == "raised" else f"{failure.reason}: {failure.message}"
+    )
+    return Row(
+        instance=case.instance.name,
+        stage=case.stage,
+        model=case.model,
+        solver=case.solver,
+        seed=case.seed,
+        status="error",
+        message=message,
+        machine=platform.machine(),
+    )
+
+
+def disagreements(rows: Sequence[Row], tolerance: float = TOLERANCE) -> list[str]:
+    """Where solves of one formulation on one instance contradict each other, one line each.
+
+    Two optima differ, a feasible value is better than a proven bound, or one solve proves a
+    program infeasible for which another has a point.
+    """
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((row.instance, row.model), []).append(row)
+    found = []
+    for (instance, model), group in groups.items():
+        values = [row for row in group if row.objective is not None]
+        bounds = [row for row in group if row.bound is not None]
+        refused = [row for row in group if row.status == "infeasible"]
+        for value, bound in product(values, bounds):
+            sign = 1.0 if bound.sense == "min" else -1.0
+            slack = tolerance * max(1.0, abs(value.objective or 0.0))
+            if sign * ((bound.bound or 0.0) - (value.objective or 0.0)) > slack:
+                found.append(
+                    f"{model} on {instance}: {value.solver} has {value.objective:.9g}, but"
+                    f" {bound.solver} proves that nothing is better than {bound.bound:.9g}"
+                )
+        if refused and values:
+            found.append(
+                f"{model} on {instance}: {refused[0].solver} proves it infeasible, but"
+                f" {values[0].solver} has {values[0].objective:.9g}"
+            )
+    return found
+
+
+def frame(rows: Sequence[Row]) -> pd.DataFrame:
+    """The rows as a pandas table, one column per field of `Row`."""
+    import pandas as pd
+
+    return pd.DataFrame([asdict(row) for row in rows], columns=[f.name for f in fields(Row)])
+
+
+def shifted_geometric_means(
+    rows: Sequence[Row], shift: float = SHIFT_SECONDS
+) -> dict[tuple[str, str], tuple[float, int, int]]:
+    """Per model and solver: shifted geometric mean of total seconds, solved to optimality, tried.
+
+    Only optimal solves have a time; the two counts say how many that are.
+    """
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        if row.status != "skipped":
+            groups.setdefault((row.model, row.solver), []).append(row)
+    means = {}
+    for key, group in groups.items():
+        times = [
+            row.total_seconds
+            for row in group
+            if row.status == "optimal" and row.total_seconds is not None
+        ]
+        mean = float(np.exp(np.mean(np.log(np.array(times) + shift))) - shift) if times else np.nan
+        means[key] = (mean, len(times), len(group))
+    return means
+
+
+def read_instances(paths: Sequence[str | Path]) -> list[Instance]:
+    """The instances of files; each needs a name of its own, so a nameless one takes its file's.
+
+    Raises
+    ------
+    InputError
+        If a file is not an instance, or two instances have one name.
+    """
+    found: dict[str, Instance] = {}
+    for path in paths:
+        instance = Instance.read(path)
+        if not instance.name:
+            instance = instance.replace(name=Path(path).stem, clusters=instance.clusters)
+        if instance.name in found:
+            raise InputError(
+                f"{instance.name!r} is also another file's; names tell rows apart",
+                field="name",
+                file=path,
+            )
+        found[instance.name] = instance
+    return list(found.values())
+
+
+def as_documents(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """The rows as JSON-ready documents."""
+    return [asdict(row) for row in rows]
