@@ -1,0 +1,1 @@
+"""What a wheel carries besides code: the checkout's ``models/`` and ``instances/``."""

@@ -1,0 +1,1 @@
+"""The joint problem: who serves what and in which order, over open routes; improved and bounded."""

@@ -1,0 +1,134 @@
+"""The project as it is installed: from a checkout, in place, and as a wheel."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+OWN_MODEL = (
+    (ROOT / "models" / "cluster_one_to_one.py")
+    .read_text()
+    .replace("SPEC = Spec(", "SPEC = Spec(  # a copy under another name")
+)
+
+
+def python(code: str, *, path: Path | None, cwd: Path, **environment: str) -> str:
+    """The output of `code` in a fresh interpreter, with `path` first on its import path."""
+    variables = {**os.environ, **environment, "PYTHONPATH": str(path or "")}
+    run = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=cwd,
+        env=variables,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    return run.stdout
+
+
+@pytest.fixture(scope="session")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    # Built from a copy, so that no build folder of the checkout can lend it a stale file.
+    for name in listed.stdout.splitlines():
+        if name.startswith(("msmrta_opt/", "models/", "instances/")) or "/" not in name:
+            target = source / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes((ROOT / name).read_bytes())
+    subprocess.run(
+        [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, source],
+        check=True,
+        capture_output=True,
+    )
+    (built,) = out.glob("*.whl")
+    return built
+
+
+@pytest.fixture(scope="session")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    site = tmp_path_factory.mktemp("site")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(site)
+    return site
+
+
+def test_the_wheel_carries_models_instances_and_maps(wheel: Path) -> None:
+    names = set(zipfile.ZipFile(wheel).namelist())
+    for folder, pattern in (("models", "*.py"), ("instances", "*.json"), ("instances", "maps/*")):
+        shipped = {
+            f"msmrta_opt/_shipped/{path.relative_to(ROOT)}"
+            for path in (ROOT / folder).glob(pattern)
+        }
+        assert shipped
+        assert shipped <= names
+    assert "msmrta_opt/py.typed" in names
+    assert not any(name.startswith(("tests/", "models/", "instances/")) for name in names)
+
+
+def test_an_installed_wheel_plans_its_own_instance(installed: Path, tmp_path: Path) -> None:
+    code = (
+        "import json, pathlib, msmrta_opt as mo;"
+        "home = pathlib.Path(mo.__file__).parent;"
+        "plan = mo.plan(mo.read(home / '_shipped/instances/paper.json'));"
+        "print(json.dumps([str(home), plan.metrics.served_share]))"
+    )
+    home, share = json.loads(python(code, path=installed, cwd=tmp_path))
+    assert home == str(installed / "msmrta_opt")
+    assert share == 1.0
+
+
+@pytest.mark.parametrize("where", ["checkout", "in place", "wheel"])
+def test_a_new_file_in_a_folder_of_ones_own_is_listed_and_solved(
+    where: str, installed: Path, tmp_path: Path
+) -> None:
+    # "in place" is the editable install in which the tests run; "checkout" has it on the path.
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / "cluster_mine.py").write_text(OWN_MODEL)
+    path = {"checkout": ROOT, "in place": None, "wheel": installed}[where]
+    code = (
+        "import numpy as np, msmrta_opt as mo;"
+        "from msmrta_opt.optimise import registry;"
+        "assert 'cluster_mine' in [item.name for item in registry.listings('cluster')];"
+        "data = mo.ClusterData(np.array([[1., 4.], [2., 3.]]), np.zeros((2, 2)), np.array([1, 1]));"
+        "print(mo.solve('cluster_mine', data, psi=0.0).require().objective)"
+    )
+    assert python(code, path=path, cwd=tmp_path, MSMRTA_MODELS=str(own)).strip() == "6.0"
+
+
+def test_importing_the_package_loads_none_of_its_dependencies(tmp_path: Path) -> None:
+    code = (
+        "import sys, msmrta_opt, msmrta_opt.cli;"
+        "heavy = {'cvxpy', 'numpy', 'pandas', 'scipy', 'sklearn', 'networkx', 'matplotlib', 'pydantic'};"
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    assert python(code, path=ROOT, cwd=tmp_path).strip() == "[]"
+
+
+def test_every_public_name_can_be_loaded() -> None:
+    import msmrta_opt
+
+    for name in msmrta_opt.__all__:
+        assert getattr(msmrta_opt, name) is not None
+
+
+def test_an_unknown_public_name_is_an_attribute_error() -> None:
+    import msmrta_opt
+
+    with pytest.raises(AttributeError, match="no_such_name"):
+        _ = msmrta_opt.no_such_name

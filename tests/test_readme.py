@@ -1,0 +1,109 @@
+"""Everything that the README shows is run here, and its picture is the demo's own."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from matplotlib.testing.compare import compare_images
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    """The code blocks of the README in `language`."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+
+
+SHELL = [line for block in blocks("sh") for line in block.splitlines() if line]
+MSMRTA = [line for line in SHELL if line.startswith("msmrta ")]
+MAKE = [line for line in SHELL if line.startswith("make ")]
+
+
+def run(command: str, cwd: Path) -> str:
+    """The output of a shell command, run with this environment's programs first."""
+    programs = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        command,
+        shell=True,
+        cwd=cwd,
+        env={**os.environ, "PATH": programs},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with what the README's commands find in a checkout, and may write into."""
+    folder = tmp_path_factory.mktemp("readme")
+    for name in ("instances", "models", "msmrta_opt", "pyproject.toml", "studies"):
+        if (ROOT / name).is_dir():
+            ignored = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(ROOT / name, folder / name, ignore=ignored)
+        elif (ROOT / name).exists():
+            shutil.copy(ROOT / name, folder / name)
+    return folder
+
+
+def test_every_command_of_the_readme_is_of_a_kind_that_is_run() -> None:
+    assert MSMRTA
+    assert sorted(MSMRTA + MAKE) == sorted(SHELL)
+    assert MAKE == ["make demo", "make test"]
+
+
+def test_the_commands_of_the_tour_work_in_their_order(workplace: Path) -> None:
+    for command in MSMRTA:
+        # Through the interpreter, so that the copied checkout runs and not the installed package.
+        module = "from msmrta_opt.cli import main; main()"
+        python = f"{shlex.quote(sys.executable)} -c {shlex.quote(module)}"
+        run(command.replace("msmrta", f"PYTHONPATH=. {python}", 1), workplace)
+
+
+def test_the_python_of_the_readme_works(workplace: Path) -> None:
+    (code,) = blocks("python")
+    assert "1.0 " in run(f"{shlex.quote(sys.executable)} -c {shlex.quote(code)}", workplace)
+
+
+def recipe(target: str) -> str:
+    """The commands of a make target, without the installation."""
+    printed = subprocess.run(
+        ["make", "--dry-run", "--always-make", target, "VENV=@venv"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    return "\n".join(
+        line.replace("@venv/bin/", "")
+        for line in printed.splitlines()
+        if "-m venv" not in line and "pip install" not in line and "touch" not in line
+    )
+
+
+def test_make_demo_plans_the_mission_and_draws_the_picture_of_the_readme(workplace: Path) -> None:
+    commands = recipe("demo")
+    assert "msmrta plan instances/paper.json" in commands
+    output = run(commands, workplace)
+    assert "picture written to out/paper.png" in output
+    assert "docs/paper.png" in README
+    difference = compare_images(
+        str(ROOT / "docs" / "paper.png"), str(workplace / "out" / "paper.png"), tol=5
+    )
+    assert difference is None, difference
+
+
+def test_make_test_checks_style_types_and_tests() -> None:
+    commands = recipe("test")
+    for program in ("ruff check", "ruff format --check", "mypy", "pytest"):
+        assert program in commands
