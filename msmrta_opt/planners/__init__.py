@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import pkgutil
 from functools import cache
 from typing import Any
@@ -47,4 +48,13 @@ def plan(instance: Instance, *, planner: str = "msmrta", **options: Any) -> Plan
     known = planners()
     if planner not in known:
         raise InputError(f"{planner!r}; give one of {', '.join(known)}", field="planner")
-    return check_plan(known[planner].run(instance, **options))
+    run = known[planner].run
+    takes = inspect.signature(run).parameters
+    if not any(parameter.kind is parameter.VAR_KEYWORD for parameter in takes.values()):
+        for name in options:
+            if name not in takes:
+                there = ", ".join(list(takes)[1:])
+                raise InputError(
+                    f"planner {planner} has no such option; it has {there}", field=name
+                )
+    return check_plan(run(instance, **options))

@@ -55,7 +55,11 @@ def run(instance: Instance, *, preset: str = "paper", **changes: Any) -> Plan:
         report=report,
         clusters=clusters,
         b2=b2,
-        solutions={"Eq. 1": b2.solution, "Eq. 2": b3.solution},
+        solutions={
+            "Clustering": clusters.solution,
+            "Eq. 1": b2.solution,
+            "Eq. 2": b3.solution,
+        },
         seconds=watch.seconds,
     )
 
