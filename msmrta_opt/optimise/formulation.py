@@ -37,6 +37,7 @@ class Parameter:
 
 PSI = Parameter(0.0, 1.0, 0.95, "importance of full over partial satisfaction")
 BETA = Parameter(0.0, 1.0, 0.5, "importance of failure time over success time")
+LAMBDA = Parameter(0.0, 1.0, 0.5, "importance of Eq. 2's time over Eq. 1's score")
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class Spec:
     Parameters
     ----------
     stage : str
-        Which data it takes: ``cluster`` takes `ClusterData`, ``victim`` `VictimData`.
+        Which data it takes: ``clustering`` takes `ClusteringData`, ``cluster`` `ClusterData`,
+        ``victim`` `VictimData`, ``joint`` `JointAssignmentData`.
     title : str
         One line for lists.
     parameters : dict of str to Parameter
@@ -59,6 +61,37 @@ class Spec:
     title: str
     parameters: dict[str, Parameter] = field(default_factory=dict)
     assumes: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class ClusteringData:
+    """Which of the victims' cells form a cluster, and which of them stands for it.
+
+    A formulation answers with a binary variable ``y``, shape ``(n_cells, n_cells)``: cell i is in
+    the cluster that cell j stands for. Distances where ``can_reach`` is false mean nothing and are 0.
+    """
+
+    distance: Floats
+    """Walking distance from cell i to cell j, in cells, ``(n_cells, n_cells)``."""
+    can_reach: Bools
+    """Whether cell j can be reached from cell i, ``(n_cells, n_cells)``."""
+    weight: Floats
+    """Number of victims on cell i, ``(n_cells,)``."""
+    n_clusters: int
+    """K, the number of clusters."""
+
+    def __post_init__(self) -> None:
+        _same_shape("distance", self.distance, can_reach=self.can_reach)
+        if self.distance.shape != (self.n_cells, self.n_cells):
+            raise ValueError(f"distance has shape {self.distance.shape}; give a square")
+        if self.weight.shape != (self.n_cells,):
+            raise ValueError(f"weight has shape {self.weight.shape} for {self.n_cells} cells")
+        _finite(distance=self.distance, weight=self.weight)
+
+    @property
+    def n_cells(self) -> int:
+        """Number of cells with victims."""
+        return len(self.distance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +150,70 @@ class VictimData:
             return 0
         matched = maximum_bipartite_matching(csr_array(self.can_serve), perm_type="column")
         return int(np.count_nonzero(matched >= 0))
+
+    @property
+    def budgeted_size(self) -> int:
+        """Most victims that can be assigned within the budgets: the largest flow through them."""
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import maximum_flow
+
+        n_robots, n_victims = self.can_serve.shape
+        capacity = np.zeros((n_robots + n_victims + 2,) * 2, dtype=np.int32)
+        source, robots, victims, sink = 0, slice(1, n_robots + 1), slice(n_robots + 1, -1), -1
+        capacity[source, robots] = np.minimum(self.budget, n_victims)
+        capacity[robots, victims] = self.can_serve
+        capacity[victims, sink] = 1
+        return int(maximum_flow(csr_array(capacity), 0, len(capacity) - 1).flow_value)
+
+
+@dataclass(frozen=True, eq=False)
+class JointAssignmentData:
+    """Eqs. 1 and 2 as one: who takes which post, and who then takes which victim.
+
+    A robot's post is its cluster; the holder of a victim is the robot with the post at its cluster.
+    A formulation answers with binary variables ``x``, shape ``(n_robots, n_clusters)``, the posts, and
+    ``y``, shape ``(n_robots, n_victims)``, who takes what holders leave. Posts have one more place,
+    the last, for no post; holders likewise for nobody. Entries where ``can_serve`` is false, and
+    times at a victim that cannot be reached, mean nothing and are 0.
+    """
+
+    w: Floats
+    """Requirements that robot r can serve in cluster c, ``(n_robots, n_clusters)``."""
+    w_full: Floats
+    """Those of victims that robot r can satisfy fully, ``(n_robots, n_clusters)``."""
+    cluster: Ints
+    """The cluster of victim v, ``(n_victims,)``."""
+    arrival: Floats
+    """When robot r, done with post c, would be at victim v, in time units,
+    ``(n_robots, n_clusters + 1, n_victims)``."""
+    record: Floats
+    """Service time that others must redo of r's record at post c, per capability of r,
+    ``(n_robots, n_clusters + 1)``."""
+    service: Floats
+    """Service time of robot r for what holder h leaves of victim v, in time units,
+    ``(n_robots, n_robots + 1, n_victims)``."""
+    redo: Floats
+    """Service time that others must redo, where r does what it can of what holder h leaves of v, per
+    capability of r, ``(n_robots, n_robots + 1, n_victims)``."""
+    can_serve: Bools
+    """Whether r can reach v and serve something that holder h leaves there,
+    ``(n_robots, n_robots + 1, n_victims)``."""
+
+    def __post_init__(self) -> None:
+        _same_shape("w", self.w, w_full=self.w_full)
+        (n_robots, n_clusters), n_victims = self.w.shape, len(self.cluster)
+        at_post, at_holder = (n_robots, n_clusters + 1), (n_robots, n_robots + 1)
+        for name, shape in {
+            "arrival": (*at_post, n_victims),
+            "record": at_post,
+            "service": (*at_holder, n_victims),
+            "redo": (*at_holder, n_victims),
+            "can_serve": (*at_holder, n_victims),
+        }.items():
+            if getattr(self, name).shape != shape:
+                raise ValueError(f"{name} has shape {getattr(self, name).shape}; give {shape}")
+        _finite(w=self.w, w_full=self.w_full, arrival=self.arrival, record=self.record)
+        _finite(service=self.service, redo=self.redo)
 
 
 def _same_shape(name: str, array: Floats, **others: NDArray[np.generic]) -> None:

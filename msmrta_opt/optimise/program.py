@@ -100,6 +100,18 @@ class Program:
         """The same program without integrality."""
         return replace(self, integer=np.zeros(self.n_columns, dtype=bool))
 
+    def with_row(self, entries: Floats, lower: float, upper: float, name: str) -> Program:
+        """The same program with one more row, ``lower ≤ entries @ x ≤ upper``."""
+        from scipy.sparse import csr_array, vstack
+
+        return replace(
+            self,
+            matrix=csr_array(vstack([self.matrix, csr_array(entries[None, :])])),
+            row_lower=np.append(self.row_lower, lower),
+            row_upper=np.append(self.row_upper, upper),
+            rows=(*self.rows, Block(name, self.n_rows, ())),
+        )
+
     def column_name(self, column: int) -> str:
         """For instance ``x[0,2]``."""
         return element_name(self.columns, column)
