@@ -16,6 +16,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -111,9 +112,7 @@ def start_up(repetitions: int) -> None:
         ],
     }
     seconds = {
-        name: median(
-            lambda c=command: subprocess.run(c, check=True, capture_output=True), repetitions
-        )
+        name: median(partial(subprocess.run, command, check=True, capture_output=True), repetitions)
         for name, command in commands.items()
     }
     for name, value in seconds.items():

@@ -11,6 +11,8 @@ import typer
 from .missions import Figure, Json
 
 if TYPE_CHECKING:
+    from ..mission.instance import Instance
+    from ..stages.options import StagedOptions
     from ..studies.compare import Row
     from ..studies.score import Score
 
@@ -100,10 +102,14 @@ def compare(
     _show(rows, measured)
     _write(rows, csv, parquet, json)
     if figure is not None:
+        from matplotlib.figure import Figure as Drawing
+
         from ..plots import save_figure
         from ..studies.pictures import performance_profile
 
-        save_figure(performance_profile(rows).get_figure(root=True), figure)
+        drawing = Drawing(figsize=(7.5, 4.8), layout="constrained")
+        performance_profile(rows, ax=drawing.subplots())
+        save_figure(drawing, figure)
     if interrupted:
         console().print(f"interrupted: {len(rows)} of {len(todo)} solves are shown", style="yellow")
         raise KeyboardInterrupt
@@ -127,7 +133,12 @@ def compare(
 
 
 def _scores(
-    missions: list, stage: str, rows: list[Row], options: object, time: float, memory: float
+    missions: list[Instance],
+    stage: str,
+    rows: list[Row],
+    options: StagedOptions,
+    time: float,
+    memory: float,
 ) -> list[Score]:
     from ..studies.score import scores
 

@@ -64,6 +64,6 @@ def scouting_figure(instance: Instance, report: ScoutingReport, path: Path) -> N
 
     figure = Figure(figsize=(12, 6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    plot_scouting(instance, report, ax=left)
+    plot_scouting(instance, left, report=report)
     plot_coverage(report, ax=right)
     save_figure(figure, path)

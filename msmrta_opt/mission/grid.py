@@ -70,7 +70,7 @@ class GridMap:
         return tuple("".join(row) for row in np.where(self.free, ".", "@").tolist())
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, GridMap) and np.array_equal(self.free, other.free)
+        return isinstance(other, GridMap) and bool(np.array_equal(self.free, other.free))
 
     def __hash__(self) -> int:
         return hash((self.free.shape, self.free.tobytes()))

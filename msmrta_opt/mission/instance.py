@@ -35,7 +35,7 @@ from .grid import Cell, GridMap
 from .maps import BLOCKED, FREE, grid_from_rows, read_map
 from .validation import at, first_problem
 
-FORMAT = "msmrta-instance/1"
+FORMAT: Literal["msmrta-instance/1"] = "msmrta-instance/1"
 
 T = TypeVar("T", bound=np.generic)
 

@@ -24,18 +24,18 @@ from .validation import first_problem
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FORMAT = "msmrta-plan/1"
+FORMAT: Literal["msmrta-plan/1"] = "msmrta-plan/1"
 
-NO_ROBOT_HAS_IT = "no robot has it"
-NO_CAPABLE_ROBOT_REACHES_IT = "no capable robot can reach it"
-NOT_FOUND = "not found by the scouts"
-BEYOND_ENDURANCE = "beyond the robots' endurance"
 Reason = Literal[
     "no robot has it",
     "no capable robot can reach it",
     "not found by the scouts",
     "beyond the robots' endurance",
 ]
+NO_ROBOT_HAS_IT: Reason = "no robot has it"
+NO_CAPABLE_ROBOT_REACHES_IT: Reason = "no capable robot can reach it"
+NOT_FOUND: Reason = "not found by the scouts"
+BEYOND_ENDURANCE: Reason = "beyond the robots' endurance"
 
 Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
@@ -179,6 +179,15 @@ class Plan(_Record):
     def metrics(self) -> Metrics:
         """How good the plan is; see `Metrics`."""
         return metrics(self)
+
+    @cached_property
+    def known(self) -> Instance:
+        """The mission with the victims that the planner knew: those that were found."""
+        if self.scouting is None or not self.scouting.not_found:
+            return self.instance
+        hidden = set(self.scouting.not_found)
+        victims = enumerate(self.instance.victims)
+        return self.instance.with_victims([v for v, x in victims if x.id not in hidden])
 
     def route(self, robot: int) -> Route:
         """The route of the robot with that id."""

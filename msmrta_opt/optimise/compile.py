@@ -155,7 +155,7 @@ def _flat(indices: list[tuple[int, ...]]) -> list[int]:
 
 def _columns(name: str, problem: cp.Problem, matrices: Any) -> tuple[Block, ...]:
     own = {variable.id: variable for variable in problem.variables()}
-    blocks = []
+    blocks: list[Block] = []
     for variable in matrices.variables:
         start = matrices.var_id_to_col[variable.id]
         original = own.get(variable.id)

@@ -158,8 +158,8 @@ class Family:
             p, q = t.numerator, t.denominator
             largest = max(int(np.abs(cost).max(initial=0)) for cost in self._whole)
             if q * largest * max(self.program.n_columns, 1) < LARGEST_EXACT:
-                cost = (q - p) * self._whole[0] + p * self._whole[1]
-                return replace(self.program, cost=cost.astype(float), offset=0.0)
+                whole = (q - p) * self._whole[0] + p * self._whole[1]
+                return replace(self.program, cost=whole.astype(float), offset=0.0)
         weight = float(t)
         cost = (1 - weight) * self.costs[0] + weight * self.costs[1]
         return replace(self.program, cost=cost, offset=0.0)

@@ -183,9 +183,9 @@ def _by_structure(program: Program, options: Options) -> tuple[str, Outcome]:
     if outcome.status == "optimal" and outcome.x is not None:
         x = settled(program, outcome.x)
         if not violations(program, x):
-            bound = None if outcome.prices is None else dual_bound(relaxed, outcome.prices)
-            if bound is not None and _is_tight(program, x, bound):
-                return highs.name, replace(outcome, x=x, bound=bound, proof=proof)
+            proven = None if outcome.prices is None else dual_bound(relaxed, outcome.prices)
+            if proven is not None and _is_tight(program, x, proven):
+                return highs.name, replace(outcome, x=x, bound=proven, proof=proof)
     if outcome.status == "infeasible":
         return highs.name, replace(outcome, message="the relaxation is infeasible")
     if options.time_limit is not None:

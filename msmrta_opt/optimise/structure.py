@@ -199,7 +199,8 @@ def _two_colours(n: int, first: Ints, second: Ints, differ: Bools) -> Ints | Non
     _, part = connected_components(cover, directed=False)
     if np.any(part[:n] == part[n:]):
         return None
-    return (part[:n] > part[n:]).astype(np.int64)
+    colour: Ints = (part[:n] > part[n:]).astype(np.int64)
+    return colour
 
 
 def integral_relaxation(program: Program, structure: Structure) -> Program:

@@ -12,7 +12,9 @@ from ..mission.check import check_plan
 from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import Plan
+from ..optimise.routing.data import Objective
 from .base import Planner
+from .improvement import check_objective, improve_plan
 
 
 @cache
@@ -26,7 +28,14 @@ def planners() -> dict[str, Planner]:
     return {planner.name: planner for planner in found}
 
 
-def plan(instance: Instance, *, planner: str = "msmrta", **options: Any) -> Plan:
+def plan(
+    instance: Instance,
+    *,
+    planner: str = "msmrta",
+    improve: bool | float = False,
+    objective: Objective | None = None,
+    **options: Any,
+) -> Plan:
     """Plan `instance`, and check the plan.
 
     Parameters
@@ -35,6 +44,11 @@ def plan(instance: Instance, *, planner: str = "msmrta", **options: Any) -> Plan
         The mission.
     planner : str
         One of `planners`; the default is the paper's staged method.
+    improve : bool or float
+        Improve the plan by local search: ``True`` for a fixed number of steps, which the same seed
+        repeats; a number for that many seconds.
+    objective : {"total_time", "makespan", "latency"}, optional
+        What to improve, and what ``exact`` minimises; total time by default.
     **options
         The planner's own; for ``msmrta`` those of `options.StagedOptions`, and ``preset``.
 
@@ -57,4 +71,20 @@ def plan(instance: Instance, *, planner: str = "msmrta", **options: Any) -> Plan
                 raise InputError(
                     f"planner {planner} has no such option; it has {there}", field=name
                 )
-    return check_plan(run(instance, **options))
+    if objective is not None:
+        check_objective(objective)
+        if "objective" in takes:
+            options["objective"] = objective
+    made = check_plan(run(instance, **options))
+    if improve is False:
+        return made
+    if improve is not True and not improve >= 0:
+        raise InputError(f"{improve!r}; give seconds, 0 or more", field="improve")
+    return check_plan(
+        improve_plan(
+            made,
+            objective=objective or "total_time",
+            seconds=None if improve is True else float(improve),
+            seed=options.get("seed", 0),
+        )
+    )

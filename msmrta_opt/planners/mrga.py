@@ -128,8 +128,8 @@ def allocate(
                     + beta * aborted / redundancy[which]
                 )
             cost[robot, can] = distance
-        robot, place = np.unravel_index(cost.argmin(), cost.shape)
-        give(int(robot), int(left[place]), float(cost[robot, place]))
+        cheapest = np.unravel_index(cost.argmin(), cost.shape)
+        give(int(cheapest[0]), int(left[cheapest[1]]), float(cost[cheapest]))
 
     return [
         stop

@@ -92,9 +92,9 @@ def _unserved(
     found = []
     for victim in instance.victims:
         for kind in victim.requirements:
-            cause = NOT_FOUND if victim.id in hidden else reason.get((victim.id, kind))
-            if cause is not None:
-                found.append(Unserved(victim=victim.id, kind=kind, reason=cause))
+            why = NOT_FOUND if victim.id in hidden else reason.get((victim.id, kind))
+            if why is not None:
+                found.append(Unserved(victim=victim.id, kind=kind, reason=why))
     return tuple(found)
 
 
@@ -105,7 +105,7 @@ def _clusters(
     for c, cell in enumerate(clusters.cells):
         members = clusters.members(c)
         row, col = clusters.centres[c]
-        robots = [] if b2 is None else b2.chosen[:, c].nonzero()[0]
+        robots = [] if b2 is None else [int(r) for r in b2.chosen[:, c].nonzero()[0]]
         deferred = [] if b2 is None else [v for v in members if v in b2.deferred]
         records.append(
             Cluster(

@@ -131,9 +131,7 @@ def cases(
             gap,
             folders,
         )
-        for instance, model, solver, seed in product(
-            instances, chosen, names, list(seeds) or [None]
-        )
+        for instance, model, solver, seed in product(instances, chosen, names, seeds or (None,))
     ]
 
 
@@ -179,7 +177,9 @@ def solve_case(case: Case) -> tuple[Solution, float]:
         skipped = Solution(case.model, "skipped", "min", message=reason, solver=case.solver)
         return skipped, 0.0
     data = stage_data(case.instance, case.stage, case.options)
-    given = {k: v for k, v in case.parameters.items() if k in formulation.spec.parameters}
+    given: dict[str, Any] = {
+        k: v for k, v in case.parameters.items() if k in formulation.spec.parameters
+    }
     given = {
         name: getattr(case.options, name)
         for name in formulation.spec.parameters

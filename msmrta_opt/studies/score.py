@@ -7,7 +7,7 @@ are both of the paper's equations at what was chosen.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from ..stages.clustering import clustering
 from ..stages.data import stage_data
 from ..stages.options import StagedOptions
 from ..stages.requirement_analysis import requirement_analysis
-from ..stages.scouting import scout_mission
 from ..stages.situation import Situation
 from .isolate import Failure, run_isolated
 
@@ -59,7 +58,7 @@ def score(instance: Instance, stage: str, model: str, options: StagedOptions) ->
     KeyError
         If the staged planner has no such stage.
     """
-    options = replace(options, **{STAGES[stage]: model})
+    options = StagedOptions(**{**options.as_dict(), STAGES[stage]: model})
     try:
         plan = make_plan(instance, **options.as_dict())
     except MsmrtaError as error:
@@ -128,7 +127,7 @@ def _score_isolated(
 
 def _eq1(plan: Plan, options: StagedOptions) -> float:
     """Σ [(1 − ψ) w + ψ w^f] x of Eq. 1, where x is who took which cluster."""
-    known, _ = scout_mission(plan.instance, options)
+    known = plan.known
     if not known.n_victims:
         return 0.0
     situation = Situation.of(known)
@@ -143,8 +142,7 @@ def _eq1(plan: Plan, options: StagedOptions) -> float:
 def _eq2(plan: Plan, options: StagedOptions) -> float:
     """Σ [(1 − β) S + β F] x of Eq. 2, where x is who was assigned which victim in stage B3."""
     data = stage_data(plan.instance, "victim", options)
-    hidden = set(plan.scouting.not_found) if plan.scouting else set()
-    known = [victim.id for victim in plan.instance.victims if victim.id not in hidden]
+    known = [victim.id for victim in plan.known.victims]
     x = np.zeros(data.can_serve.shape)
     for r, robot in enumerate(plan.instance.robots):
         for visit in plan.route(robot.id).visits:

@@ -83,14 +83,12 @@ class RoutingData:
     @cached_property
     def required(self) -> Bools:
         """Requirements to be served, ``(n_victims, n_kinds)``."""
-        required: Bools = self.able.any(axis=0)
-        return required
+        return np.asarray(self.able.any(axis=0))
 
     @cached_property
     def can_visit(self) -> Bools:
         """Whether r can serve something at v, ``(n_robots, n_victims)``."""
-        can_visit: Bools = self.able.any(axis=2)
-        return can_visit
+        return np.asarray(self.able.any(axis=2))
 
     @property
     def total_service(self) -> float:

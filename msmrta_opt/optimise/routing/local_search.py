@@ -1,0 +1,306 @@
+"""Local search on routes and on who serves what: ruin and recreate under simulated annealing.
+
+A step takes strings of consecutive visits out of routes that lie close together, and puts their
+requirements back one by one where they cost least, whoever can serve them; so relocations, swaps,
+or-opt moves and reassignments of requirements, and splits of victims over robots, are all special cases
+of one move. Worse answers are accepted with a probability that falls as the search goes on.
+
+Source: Christiaens and Vanden Berghe, *Slack induction by string removals for vehicle routing problems*
+(2020); the requirements and the splitting of victims are ours.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from ...mission.errors import InputError
+from .data import Objective, Routes, RoutingData, faults, value
+
+AVERAGE_REMOVED = 8
+LONGEST_STRING = 8
+BLINK = 0.02
+"""Probability of passing over a place when a requirement is put back."""
+FIRST_TEMPERATURE, LAST_TEMPERATURE = 2e-2, 1e-4
+"""Relative to the objective's share of one robot."""
+ITERATIONS = 20_000
+"""Steps where neither steps nor seconds are given."""
+
+
+def improve(
+    data: RoutingData,
+    routes: Routes,
+    objective: Objective = "total_time",
+    *,
+    seconds: float | None = None,
+    iterations: int | None = None,
+    seed: int = 0,
+    should_stop: Callable[[], bool] | None = None,
+) -> Routes:
+    """Routes at least as good as `routes`, by local search.
+
+    Parameters
+    ----------
+    data : RoutingData
+        The joint problem.
+    routes : Routes
+        Feasible routes to begin with.
+    objective : {"total_time", "makespan", "latency"}
+        What to minimise.
+    seconds : float, optional
+        Wall time to spend; the result then depends on the machine's speed.
+    iterations : int, optional
+        Steps to make; the same seed then gives the same routes. The default, if `seconds` is not
+        given, is `ITERATIONS`.
+    seed : int
+        Of all random choices.
+    should_stop : callable, optional
+        Asked now and then; the search ends early when it says so.
+
+    Raises
+    ------
+    InputError
+        If `routes` are not feasible.
+    """
+    wrong = faults(data, routes)
+    if wrong:
+        raise InputError(f"these routes cannot be improved: {wrong[0]}", field="routes")
+    if not data.required.any():
+        return routes
+    if seconds is None and iterations is None:
+        iterations = ITERATIONS
+    search = _Search(data, routes, objective, random.Random(seed))
+    search.run(seconds, iterations, should_stop or (lambda: False))
+    found = search.best_routes()
+    # Sums are taken in another order here than there: an equal answer is no improvement.
+    better = value(data, found, objective) < value(data, routes, objective) - 1e-9
+    return found if better else routes
+
+
+class _Search:
+    """The state of one search. Routes hold victims; `who` the robot of each requirement."""
+
+    def __init__(
+        self, data: RoutingData, routes: Routes, objective: Objective, rng: random.Random
+    ) -> None:
+        self.data, self.objective, self.rng = data, objective, rng
+        required = [(int(v), int(k)) for v, k in np.argwhere(data.required)]
+        place = {need: g for g, need in enumerate(required)}
+        self.victim = [v for v, _ in required]
+        self.kind = [k for _, k in required]
+        self.needs: list[list[int]] = [[] for _ in range(data.n_victims)]
+        for g, v in enumerate(self.victim):
+            self.needs[v].append(g)
+        self.service = [float(data.service[v, k]) for v, k in required]
+        self.able = [[int(r) for r in np.flatnonzero(data.able[:, v, k])] for v, k in required]
+        # Plain lists: reading single numbers from numpy arrays is several times slower.
+        self.leave = data.leave.tolist()
+        self.between = data.between.tolist()
+        self.back = data.back.tolist()
+        self.endurance = data.endurance.tolist()
+        self.longest_walk = data.longest_walk.tolist()
+        self.priority = data.priority.tolist()
+        needed = sorted(set(self.victim))
+        far = data.between.max(axis=0)
+        self.near = {
+            v: [w for w in np.argsort(far[v], kind="stable") if self.needs[w]] for v in needed
+        }
+        self.needed = needed
+
+        self.routes = [[v for v, _ in route] for route in routes]
+        self.who = [0] * len(required)
+        for r, route in enumerate(routes):
+            for v, kinds in route:
+                for k in kinds:
+                    self.who[place[v, k]] = r
+        self.cost = self._cost()
+        self.best = (self.cost, [list(route) for route in self.routes], list(self.who))
+
+    def run(
+        self, seconds: float | None, iterations: int | None, should_stop: Callable[[], bool]
+    ) -> None:
+        """Search until the time or the steps are used up."""
+        began = time.perf_counter()
+        scale = max(self.cost / (1 if self.objective == "makespan" else self.data.n_robots), 1e-9)
+        step = 0
+        progress = 0.0
+        while progress < 1.0:
+            if step % 64 == 0:
+                if should_stop():
+                    return
+                if seconds is not None:
+                    progress = (time.perf_counter() - began) / max(seconds, 1e-9)
+            if iterations is not None:
+                progress = max(progress, step / max(iterations, 1))
+            if progress >= 1.0:
+                return
+            fall = LAST_TEMPERATURE / FIRST_TEMPERATURE
+            self._step(FIRST_TEMPERATURE * scale * fall**progress)
+            step += 1
+
+    def best_routes(self) -> Routes:
+        """The best routes found."""
+        _, routes, who = self.best
+        return tuple(
+            tuple((v, tuple(self.kind[g] for g in self.needs[v] if who[g] == r)) for v in route)
+            for r, route in enumerate(routes)
+        )
+
+    def _step(self, temperature: float) -> None:
+        before = self.cost, [list(route) for route in self.routes], list(self.who)
+        removed = self._ruin()
+        if not self._recreate(removed):
+            self.cost, self.routes, self.who = before
+            return
+        cost = self._cost()
+        threshold = before[0] - temperature * math.log(self.rng.random() or 1e-12)
+        if cost >= threshold:
+            self.cost, self.routes, self.who = before
+            return
+        self.cost = cost
+        if cost < self.best[0] - 1e-9:
+            self.best = (cost, [list(route) for route in self.routes], list(self.who))
+
+    def _ruin(self) -> list[int]:
+        """Take out strings of visits around a random victim; returns their requirements."""
+        rng, routes = self.rng, self.routes
+        used = [route for route in routes if route]
+        mean = sum(map(len, used)) / len(used)
+        longest = max(1.0, min(LONGEST_STRING, mean))
+        n_strings = int(rng.random() * (4 * AVERAGE_REMOVED / (1 + longest))) + 1
+        removed: list[int] = []
+        ruined: set[int] = set()
+        for v in self.near[rng.choice(self.needed)]:
+            if len(ruined) >= n_strings:
+                break
+            for r in {self.who[g] for g in self.needs[v]} - ruined:
+                route = routes[r]
+                if v not in route:
+                    continue
+                length = int(rng.random() * min(longest, len(route))) + 1
+                at = route.index(v)
+                low = max(0, at - length + 1)
+                start = rng.randint(low, min(at, len(route) - length))
+                for w in route[start : start + length]:
+                    removed += [g for g in self.needs[w] if self.who[g] == r]
+                del route[start : start + length]
+                ruined.add(r)
+        return removed
+
+    def _recreate(self, removed: list[int]) -> bool:
+        """Put requirements back, each where it costs least; whether all of them could be."""
+        rng = self.rng
+        order = rng.random()
+        if order < 0.5:
+            rng.shuffle(removed)
+        elif order < 0.8:
+            removed.sort(key=lambda g: len(self.able[g]))
+        else:
+            removed.sort(key=lambda g: -self.service[g])
+        busy = [self._busy(r, set(removed)) for r in range(len(self.routes))]
+        for g in removed:
+            best, choice = math.inf, (-1, -1)
+            for r in self.able[g]:
+                added, at = self._insertion(r, self.victim[g])
+                total, walk = busy[r][0] + added + self.service[g], busy[r][1] + added
+                if total > self.endurance[r] + 1e-9 or walk > self.longest_walk[r] + 1e-9:
+                    continue
+                price = self._price(r, g, added, at, total)
+                if price < best:
+                    best, choice = price, (r, at)
+            r, at = choice
+            if r < 0:
+                return False
+            added, _ = (0.0, 0) if at < 0 else self._added(r, self.victim[g], at)
+            busy[r] = busy[r][0] + added + self.service[g], busy[r][1] + added
+            if at >= 0:
+                self.routes[r].insert(at, self.victim[g])
+            self.who[g] = r
+        return True
+
+    def _price(self, r: int, g: int, added: float, at: int, total: float) -> float:
+        """What to minimise in choosing a robot; rough for latency, whose true cost is found later."""
+        if self.objective == "total_time":
+            return added
+        if self.objective == "makespan":
+            return total + added
+        later = len(self.routes[r]) - at if at >= 0 else 0
+        return (added + self.service[g]) * (1 + later) + 0.5 * total
+
+    def _insertion(self, r: int, v: int) -> tuple[float, int]:
+        """The least added travel of visiting `v` and the place; 0 and -1 if r is there already."""
+        route = self.routes[r]
+        if v in route:
+            return 0.0, -1
+        if not route:
+            return self.leave[r][v] + self.back[r][v], 0
+        to_v = self.between[r][v]
+        leave, blink = self.leave[r], self.rng.random
+        first = route[0]
+        best, place = leave[v] + to_v[first] - leave[first], 0
+        latency = self.objective == "latency"
+        if latency:
+            best = best * (len(route) + 1)
+        before = first
+        for i in range(1, len(route)):
+            after = route[i]
+            added = to_v[before] + to_v[after] - self.between[r][before][after]
+            if latency:
+                added *= len(route) - i + 1
+            if added < best and blink() > BLINK:
+                best, place = added, i
+            before = after
+        back = self.back[r]
+        if to_v[before] + back[v] - back[before] < best:
+            place = len(route)
+        return self._added(r, v, place)[0], place
+
+    def _added(self, r: int, v: int, place: int) -> tuple[float, int]:
+        route, between = self.routes[r], self.between[r]
+        if not route:
+            return self.leave[r][v] + self.back[r][v], place
+        if place == 0:
+            return self.leave[r][v] + between[v][route[0]] - self.leave[r][route[0]], place
+        before = route[place - 1]
+        if place == len(route):
+            return between[before][v] + self.back[r][v] - self.back[r][before], place
+        after = route[place]
+        return between[before][v] + between[v][after] - between[before][after], place
+
+    def _busy(self, r: int, without: set[int]) -> tuple[float, float]:
+        """Time and travel of robot `r` on its route, the requirements of `without` not counted."""
+        route = self.routes[r]
+        if not route:
+            return 0.0, 0.0
+        between = self.between[r]
+        travel = self.leave[r][route[0]] + self.back[r][route[-1]]
+        for i in range(len(route) - 1):
+            travel += between[route[i]][route[i + 1]]
+        service = 0.0
+        for v in route:
+            for g in self.needs[v]:
+                if self.who[g] == r and g not in without:
+                    service += self.service[g]
+        return travel + service, travel
+
+    def _cost(self) -> float:
+        nothing: set[int] = set()
+        if self.objective != "latency":
+            busy = [self._busy(r, nothing)[0] for r in range(len(self.routes))]
+            # Among equal makespans the least total leads on: a flat objective has no slope.
+            return sum(busy) if self.objective == "total_time" else max(busy) + 1e-4 * sum(busy)
+        completion = [0.0] * self.data.n_victims
+        for r, route in enumerate(self.routes):
+            clock, last = 0.0, -1
+            for v in route:
+                clock += self.leave[r][v] if last < 0 else self.between[r][last][v]
+                for g in self.needs[v]:
+                    if self.who[g] == r:
+                        clock += self.service[g]
+                completion[v] = max(completion[v], clock)
+                last = v
+        return sum(p * c for p, c in zip(self.priority, completion, strict=True))
