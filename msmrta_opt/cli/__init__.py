@@ -13,7 +13,7 @@ import sys
 import typer
 
 from ..mission.errors import CheckError, MsmrtaError
-from . import missions, models
+from . import compare, missions, models
 
 app = typer.Typer(
     name="msmrta",
@@ -22,7 +22,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for group in (missions, models):
+for group in (missions, models, compare):
     group.register(app)
 
 

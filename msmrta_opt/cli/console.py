@@ -28,8 +28,13 @@ def say(text: str = "") -> None:
     console().print(text, markup=False)
 
 
-def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Print a table; columns of numbers are aligned to the right."""
+def table(
+    title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, wraps: str = ""
+) -> None:
+    """Print a table; columns of numbers are aligned to the right.
+
+    Only the column `wraps`, by default the last, is broken where the width does not suffice.
+    """
     from rich.box import SIMPLE
     from rich.table import Table
     from rich.text import Text
@@ -38,7 +43,12 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) 
     raw = Table(box=SIMPLE, pad_edge=False)
     for i, column in enumerate(columns):
         numeric = bool(body) and all(_is_number(row[i]) for row in body)
-        raw.add_column(column, justify="right" if numeric else "left", overflow="fold")
+        raw.add_column(
+            column,
+            justify="right" if numeric else "left",
+            overflow="fold",
+            no_wrap=column != (wraps or columns[-1]),
+        )
     for row in body:
         raw.add_row(*(Text(value) for value in row))
     console().print(title, style="bold", markup=False)

@@ -52,7 +52,12 @@ def models(
     found = list(registry.listings(stage))
     columns = ["name", "stage", "what it is", "parameters"]
     rows = [(*_about(item), *(_size(item, mission) if mission else ())) for item in found]
-    table("Formulations", [*columns, *(("variables", "rows") if mission else ())], rows)
+    table(
+        "Formulations",
+        [*columns, *(("variables", "rows") if mission else ())],
+        rows,
+        wraps="what it is",
+    )
     for item in found:
         if item.formulation is None:
             say(f"broken: {item.path}: {item.error}")

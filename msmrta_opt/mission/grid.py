@@ -77,7 +77,8 @@ class GridMap:
 
     def contains(self, cell: Cell) -> bool:
         """Whether `cell` lies on the map, free or blocked."""
-        return 0 <= cell[0] < self.free.shape[0] and 0 <= cell[1] < self.free.shape[1]
+        n_rows, n_cols = self.shape
+        return 0 <= cell[0] < n_rows and 0 <= cell[1] < n_cols
 
     def is_free(self, cell: Cell) -> bool:
         """Whether `cell` lies on the map and is free."""

@@ -303,4 +303,4 @@ class _Search:
                         clock += self.service[g]
                 completion[v] = max(completion[v], clock)
                 last = v
-        return sum(p * c for p, c in zip(self.priority, completion, strict=True))
+        return float(sum(p * c for p, c in zip(self.priority, completion, strict=True)))
