@@ -50,6 +50,8 @@ Value = float | str
 TOLERANCE = 1e-6
 """Relative difference up to which two values are the same."""
 
+UNPROVEN = "not proven"
+
 
 @dataclass(frozen=True)
 class Case:
@@ -222,12 +224,12 @@ def _solve(
     options: Options,
 ) -> Value:
     limit = options.time_limit
-    said = _said(solve(model, data, solver=solver, time_limit=limit, **parameters))
-    return said if isinstance(said, str) else sign * said
+    value = said(solve(model, data, solver=solver, time_limit=limit, **parameters))
+    return value if isinstance(value, str) else sign * value
 
 
 def _solve_program(program: Program, solver: str, options: Options) -> Value:
-    return _said(solve_program(program, solver=solver, options=options))
+    return said(solve_program(program, solver=solver, options=options))
 
 
 def _size(program: Program, *_: object) -> Value:
@@ -255,7 +257,7 @@ def walk_lengths(grid: GridMap, queries: list[Query]) -> list[float]:
     return [len(grid.walk(query.start, query.goal)) - 1.0 for query in queries]
 
 
-def _said(solution: Solution) -> Value:
+def said(solution: Solution) -> Value:
     """The proven value, or what there is instead of one."""
     if solution.status == "skipped":
         raise SolverError(solution.message)
@@ -263,7 +265,7 @@ def _said(solution: Solution) -> Value:
         return solution.objective
     if solution.status in ("infeasible", "unbounded"):
         return solution.status
-    return f"{solution.status}, not proven"
+    return f"{solution.status}, {UNPROVEN}"
 
 
 # Running and showing
@@ -277,8 +279,10 @@ def answer(case: Case, solver: str, options: Options) -> Answer:
     except SolverError as error:
         return Answer(case, solver, None, time.perf_counter() - began, f"skipped: {error}")
     seconds = time.perf_counter() - began
-    same = _same(value, case.expected)
-    return Answer(case, solver, value, seconds, "agrees" if same else "DISAGREES")
+    if isinstance(value, str) and value.endswith(UNPROVEN):
+        return Answer(case, solver, value, seconds, "stopped")
+    verdict = "agrees" if _same(value, case.expected) else "DISAGREES"
+    return Answer(case, solver, value, seconds, verdict)
 
 
 def _same(value: Value, expected: Value) -> bool:
@@ -336,7 +340,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     useless = [s for s in solvers if not any(a.solver == s and a.value is not None for a in found)]
     for name in useless:
         say(f"{name} could solve nothing here.")
-    wrong = [item for item in found if item.verdict == "DISAGREES"]
+    wrong = [item for item in found if item.verdict in ("DISAGREES", "stopped")]
     return 1 if wrong or useless else 0
 
 

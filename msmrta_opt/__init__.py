@@ -36,10 +36,20 @@ _HOME = {
     "Spec": "optimise.formulation",
     "Parameter": "optimise.formulation",
     "ClusterData": "optimise.formulation",
+    "ClusteringData": "optimise.formulation",
+    "JointAssignmentData": "optimise.formulation",
     "VictimData": "optimise.formulation",
     "Solution": "optimise.solution",
     "solve": "optimise.solve",
     "add_models": "optimise.registry",
+    "export": "optimise.export",
+    "read_program": "optimise.export",
+    "write_program": "optimise.export",
+    "explain": "optimise.explain",
+    "Explanation": "optimise.explain",
+    "tradeoff": "studies.tradeoff",
+    "tradeoff_regions": "studies.tradeoff",
+    "stage_data": "stages.data",
     "reload_models": "optimise.registry",
     "plan": "planners",
     "planners": "planners",
@@ -68,7 +78,14 @@ if TYPE_CHECKING:
     from .mission.maps import read_map as read_map
     from .mission.metrics import Metrics as Metrics
     from .mission.plan import Plan as Plan
+    from .optimise.explain import Explanation as Explanation
+    from .optimise.explain import explain as explain
+    from .optimise.export import export as export
+    from .optimise.export import read_program as read_program
+    from .optimise.export import write_program as write_program
     from .optimise.formulation import ClusterData as ClusterData
+    from .optimise.formulation import ClusteringData as ClusteringData
+    from .optimise.formulation import JointAssignmentData as JointAssignmentData
     from .optimise.formulation import Parameter as Parameter
     from .optimise.formulation import Spec as Spec
     from .optimise.formulation import VictimData as VictimData
@@ -78,7 +95,10 @@ if TYPE_CHECKING:
     from .optimise.solve import solve as solve
     from .planners import plan as plan
     from .planners import planners as planners
+    from .stages.data import stage_data as stage_data
     from .stages.scouting import scouting as scouting
+    from .studies.tradeoff import tradeoff as tradeoff
+    from .studies.tradeoff import tradeoff_regions as tradeoff_regions
 
 
 def read(path: str) -> Instance:

@@ -13,7 +13,7 @@ import sys
 import typer
 
 from ..mission.errors import CheckError, MsmrtaError
-from . import compare, missions, models
+from . import compare, missions, models, programs
 
 app = typer.Typer(
     name="msmrta",
@@ -22,7 +22,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for group in (missions, models, compare):
+for group in (missions, models, programs, compare):
     group.register(app)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -42,7 +42,7 @@ def plan(
     """Plan a mission, and print its tables, its metrics and the proofs behind them."""
     from ..mission.instance import Instance
     from ..planners import plan as make_plan
-    from .outputs import check_outputs
+    from .outputs import check_outputs, named_values
     from .tables import show_plan
 
     check_outputs(json, figure=figure)
@@ -54,7 +54,7 @@ def plan(
         "victim_model": victim_model,
         "seed": seed,
         "through_centre": through_centre,
-        **dict(_named(text) for text in option or []),
+        **named_values(option),
     }
     options = {name: value for name, value in given.items() if value is not None}
     made = make_plan(Instance.read(instance), planner=planner, **options)
@@ -144,18 +144,3 @@ def scout(
 
         scouting_figure(mission, report, figure)
         typer.echo(f"picture written to {figure}")
-
-
-def _named(text: str) -> tuple[str, Any]:
-    """``NAME=VALUE`` with the value read as JSON where it is, else as text."""
-    import json
-
-    from ..mission.errors import InputError
-
-    name, equals, value = text.partition("=")
-    if not equals:
-        raise InputError(f"{text!r}; give NAME=VALUE", field="--option")
-    try:
-        return name.replace("-", "_"), json.loads(value)
-    except json.JSONDecodeError:
-        return name.replace("-", "_"), value

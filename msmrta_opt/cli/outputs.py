@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..mission.errors import InputError
 from ..mission.files import read_text
-from ..mission.instance import Instance
-from ..mission.plan import ScoutingReport
+
+if TYPE_CHECKING:
+    from ..mission.instance import Instance
+    from ..mission.plan import ScoutingReport
 
 
 def check_outputs(*files: Path | None, figure: Path | None = None) -> None:
@@ -67,3 +71,23 @@ def scouting_figure(instance: Instance, report: ScoutingReport, path: Path) -> N
     plot_scouting(instance, left, report=report)
     plot_coverage(report, ax=right)
     save_figure(figure, path)
+
+
+def named_values(texts: Iterable[str] | None) -> dict[str, Any]:
+    """The options written as ``NAME=VALUE``, each value read as JSON where it is, else as text.
+
+    Raises
+    ------
+    InputError
+        If one has no ``=``.
+    """
+    values: dict[str, Any] = {}
+    for text in texts or ():
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InputError(f"{text!r}; give NAME=VALUE", field="--option")
+        try:
+            values[name.replace("-", "_")] = json.loads(value)
+        except json.JSONDecodeError:
+            values[name.replace("-", "_")] = value
+    return values

@@ -105,7 +105,9 @@ def _routes(plan: Plan) -> list[str]:
                     f"{where} leaves at {visit.departure:g}, which should be {departure:g}"
                 )
             here, clock = victim.cell, departure
-        if route.back:
+        if route.back and not route.visits:
+            wrong.append(f"robot {robot.id} walks without a visit")
+        elif route.back:
             wrong.extend(
                 _walk(instance, f"robot {robot.id} on its way back", here, robot.start, route.back)
             )

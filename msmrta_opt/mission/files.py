@@ -55,7 +55,7 @@ def write_with(path: str | Path, write: Callable[[Path], None]) -> None:
         temporary.chmod(0o666 & ~umask)
         temporary.replace(path)
     except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", file=path) from None
+        raise InputError(f"cannot be written ({error.strerror or error})", file=path) from None
     finally:
         temporary.unlink(missing_ok=True)
 

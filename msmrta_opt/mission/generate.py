@@ -55,6 +55,10 @@ def random_mission(
     for name, (least, most) in {"per_robot": per_robot, "per_victim": per_victim}.items():
         if not 0 <= least <= most <= len(KINDS):
             raise InputError(f"{(least, most)}; give 0 ≤ least ≤ most ≤ {len(KINDS)}", field=name)
+    if not speeds or not all(0 < speed < float("inf") for speed in speeds):
+        raise InputError(f"{speeds!r}; give cells per time unit above 0", field="speeds")
+    if not 0 <= seed < 2**32:
+        raise InputError(f"{seed!r}; give a whole number, 0 to 2**32 - 1", field="seed")
     if n_robots < 1 or n_victims < 0:
         raise InputError("at least one robot and no fewer than no victims", field="counts")
     free = np.argwhere(grid.free)

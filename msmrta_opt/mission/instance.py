@@ -48,7 +48,7 @@ def _load_map(value: object, info: ValidationInfo) -> GridMap:
         return read_map(Path((info.context or {}).get("folder", ".")) / value)
     if isinstance(value, Mapping) and set(value) == {"rows"}:
         rows = value["rows"]
-        if isinstance(rows, Sequence) and all(isinstance(row, str) for row in rows):
+        if isinstance(rows, (list, tuple)) and all(isinstance(row, str) for row in rows):
             return grid_from_rows(rows)
     raise ValueError(f'{_short(value)}; give a .map file\'s path or {{"rows": ["..@.", …]}}')
 
@@ -148,7 +148,7 @@ class Instance(_Record):
     @field_validator("capabilities")
     @classmethod
     def _kinds_differ(cls, kinds: tuple[str, ...]) -> tuple[str, ...]:
-        _refuse_repeats("capabilities", kinds, "each kind is listed once")
+        _refuse_repeats("", kinds, "each kind is listed once")
         return kinds
 
     @model_validator(mode="after")
@@ -182,6 +182,15 @@ class Instance(_Record):
                 field="clusters",
             )
         return self
+
+    def __eq__(self, other: object) -> bool:
+        # Not pydantic's own, which would compare the arrays that have been worked out so far.
+        if not isinstance(other, Instance):
+            return NotImplemented
+        return all(getattr(self, n) == getattr(other, n) for n in type(self).model_fields)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.map, self.robots, self.victims))
 
     def _check_cell(self, field: str, cell: Cell) -> None:
         n_rows, n_cols = self.map.shape

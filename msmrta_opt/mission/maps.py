@@ -101,8 +101,11 @@ def read_scenario(path: str | Path) -> list[Query]:
         if not parts or parts[0] == "version":
             continue
         try:
-            x0, y0, x1, y1 = (int(part) for part in parts[-5:-1])
-            queries.append(Query((y0, x0), (y1, x1), float(parts[-1])))
+            # Bucket, map, width and height come before; a map's name may hold spaces.
+            if len(parts) < 9:
+                raise ValueError("too few columns")
+            x0, y0, x1, y1, length = parts[-5:]
+            queries.append(Query((int(y0), int(x0)), (int(y1), int(x1)), float(length)))
         except ValueError:
             raise InputError(
                 f"{line!r} is not bucket, map, width, height, start x y, goal x y, length",

@@ -15,12 +15,20 @@ TOLERANCE = 1e-6
 
 
 def settled(program: Program, x: Floats) -> Floats:
-    """`x` with values of integer columns that are integral up to tolerance made so exactly."""
+    """`x` with what is only rounding taken out: integers made so exactly, bounds kept exactly.
+
+    Anything beyond rounding stays as it is, for `violations` to find.
+    """
     x = np.array(x, dtype=float)
+    if x.shape != (program.n_columns,) or not np.isfinite(x).all():
+        return x
     nearest = np.round(x)
     close = program.integer & (np.abs(x - nearest) <= TOLERANCE * 10)
     x[close] = nearest[close]
-    return np.clip(x, program.lower, program.upper, where=np.abs(x) < np.inf, out=x)
+    inside = np.clip(x, program.lower, program.upper)
+    slight = np.abs(inside - x) <= TOLERANCE * (1.0 + np.abs(x))
+    x[slight] = inside[slight]
+    return x
 
 
 def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
@@ -44,22 +52,25 @@ def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
     missed = np.maximum(program.row_lower - activity, activity - program.row_upper) / scale
     found.extend(
         (missed[i], f"row '{program.row_name(i)}' is missed by {missed[i] * scale[i]:.2g}")
-        for i in np.argsort(-missed)[:most]
-        if missed[i] > TOLERANCE
+        for i in _worst(missed, most)
     )
     outside = np.maximum(program.lower - x, x - program.upper) / (1.0 + np.abs(x))
     found.extend(
         (outside[j], f"{program.column_name(j)} = {x[j]:g} is outside its bounds")
-        for j in np.argsort(-outside)[:most]
-        if outside[j] > TOLERANCE
+        for j in _worst(outside, most)
     )
     fraction = np.where(program.integer, np.abs(x - np.round(x)), 0.0)
     found.extend(
         (fraction[j], f"{program.column_name(j)} = {x[j]:g} is not integral")
-        for j in np.argsort(-fraction)[:most]
-        if fraction[j] > TOLERANCE
+        for j in _worst(fraction, most)
     )
     return [text for _, text in sorted(found, key=lambda item: -item[0])[:most]]
+
+
+def _worst(missed: Floats, most: int) -> list[int]:
+    """Positions that miss by more than the tolerance, or by what is not a number, worst first."""
+    missed = np.where(np.isnan(missed), np.inf, missed)
+    return [int(i) for i in np.argsort(-missed, kind="stable")[:most] if missed[i] > TOLERANCE]
 
 
 def dual_bound(program: Program, prices: Floats) -> float:
@@ -76,13 +87,18 @@ def dual_bound(program: Program, prices: Floats) -> float:
         For a minimisation of ``sign * cost``: positive prices lean on ``row_lower``, negative ones
         on ``row_upper``.
     """
+    prices = _leaning(prices, program.row_lower, program.row_upper)
     reduced = program.sign * program.cost - program.matrix.T @ prices
-    # Prices within rounding of zero may lean on a side that is infinite; they are worth nothing.
-    prices = np.where(np.abs(prices) < 1e-9, 0.0, prices)
-    reduced = np.where(np.abs(reduced) < 1e-9, 0.0, reduced)
+    reduced = _leaning(reduced, program.lower, program.upper)
     worth = _least(prices, program.row_lower, program.row_upper)
     worth += _least(reduced, program.lower, program.upper)
     return program.sign * worth + program.offset
+
+
+def _leaning(weight: Floats, lower: Floats, upper: Floats) -> Floats:
+    """`weight` without what leans on an infinite side by no more than rounding."""
+    side = np.where(weight > 0, lower, upper)
+    return np.where(np.isinf(side) & (np.abs(weight) < 1e-9), 0.0, weight)
 
 
 def _least(weight: Floats, lower: Floats, upper: Floats) -> float:

@@ -7,6 +7,7 @@ product, not a canonicalisation.
 from __future__ import annotations
 
 import time
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -63,6 +64,11 @@ class Compiled:
         upper[boolean] = np.minimum(upper[boolean], 1.0)
         is_integer = np.zeros(n_columns, dtype=bool)
         is_integer[boolean + integer] = True
+        numbers = (cost, [offset], matrix.data)
+        if not all(np.isfinite(part).all() for part in numbers) or np.isnan(row_upper).any():
+            raise ModelError(
+                f"{self.formulation.name}: costs, constants or coefficients are not finite"
+            )
         return Program(
             sense="max" if maximise else "min",
             cost=sign * np.asarray(cost, float).ravel(),
@@ -94,8 +100,9 @@ def parameter_values(formulation: Formulation, parameters: dict[str, float]) -> 
                 f"{formulation.name} has no such parameter; it has {there}", field=name
             )
         low, high = known[name].low, known[name].high
-        if not low <= value <= high:
-            raise InputError(f"{value}; give a number from {low:g} to {high:g}", field=name)
+        number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+        if not (number and low <= value <= high):
+            raise InputError(f"{value!r}; give a number from {low:g} to {high:g}", field=name)
     return {name: float(parameters.get(name, item.default)) for name, item in known.items()}
 
 
@@ -112,15 +119,14 @@ def compile_formulation(formulation: Formulation, data: object) -> Compiled:
     try:
         problem = formulation.build(data)
     except Exception as error:
-        raise ModelError(f"{name}: build(data) failed: {type(error).__name__}: {error}") from error
+        said = " ".join(str(error).split())
+        raise ModelError(f"{name}: build(data) failed: {type(error).__name__}: {said}") from error
     if not isinstance(problem, cp.Problem):
         raise ModelError(f"{name}: build(data) returned {type(problem).__name__}, not a Problem")
     undeclared = set(problem.param_dict) - set(formulation.spec.parameters)
     if undeclared:
         raise ModelError(f"{name}: SPEC.parameters lacks {', '.join(sorted(undeclared))}")
-    for parameter, item in formulation.spec.parameters.items():
-        if parameter in problem.param_dict:
-            problem.param_dict[parameter].value = item.default
+    _set_defaults(formulation, problem)
     if not problem.variables():
         raise ModelError(f"{name}: the program has no variables")
     if not problem.is_dcp():
@@ -130,7 +136,10 @@ def compile_formulation(formulation: Formulation, data: object) -> Compiled:
             f"{name}: parameters are not used in DPP form; multiply each only with variables and data"
         )
     try:
-        data_, _, _ = problem.get_problem_data(cp.HIGHS)
+        with warnings.catch_warnings():
+            # Which of its backends cvxpy takes is its own affair.
+            warnings.filterwarnings("ignore", message=".*Defaulting to the .* backend")
+            data_, _, _ = problem.get_problem_data(cp.HIGHS)
     except (DCPError, DPPError, ParameterError, SolverError, ValueError) as error:
         first = str(error).strip().splitlines()[0]
         raise ModelError(f"{name}: not a linear integer program: {first}") from error
@@ -147,6 +156,24 @@ def compile_formulation(formulation: Formulation, data: object) -> Compiled:
         matrices.cone_dims.zero,
         (_flat(matrices.x.boolean_idx), _flat(matrices.x.integer_idx)),
     )
+
+
+def _set_defaults(formulation: Formulation, problem: cp.Problem) -> None:
+    names = [parameter.name() for parameter in problem.parameters()]
+    for repeated in {name for name in names if names.count(name) > 1}:
+        raise ModelError(
+            f"{formulation.name}: two parameters are called {repeated!r}; make one and use it twice"
+        )
+    for name, item in formulation.spec.parameters.items():
+        if name in problem.param_dict:
+            try:
+                for value in (item.low, item.high, item.default):
+                    problem.param_dict[name].value = value
+            except ValueError as error:
+                raise ModelError(
+                    f"{formulation.name}: parameter {name} cannot be a number from {item.low:g} to"
+                    f" {item.high:g}: {error}"
+                ) from error
 
 
 def _flat(indices: list[tuple[int, ...]]) -> list[int]:
@@ -173,14 +200,14 @@ def _columns(name: str, problem: cp.Problem, matrices: Any) -> tuple[Block, ...]
 
 def _rows(problem: cp.Problem, matrices: Any) -> tuple[Block, ...]:
     own = {constraint.id: constraint for constraint in problem.constraints}
-    blocks, start, unnamed = [], 0, 0
+    place = {constraint.id: i + 1 for i, constraint in enumerate(problem.constraints)}
+    blocks, start = [], 0
     for constraint in matrices.constraints:
         original = own.get(constraint.id)
         if original is None:
             block = Block(AUXILIARY, start, (constraint.size,))
         elif original.label is None:
-            unnamed += 1
-            block = Block(f"constraint {unnamed}", start, original.shape)
+            block = Block(f"constraint {place[original.id]}", start, original.shape)
         else:
             block = Block(original.label, start, original.shape)
         blocks.append(block)

@@ -13,7 +13,7 @@ it beside the mathematics line by line. The file's stem is the formulation's nam
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
 import numpy as np
@@ -81,12 +81,13 @@ class ClusteringData:
     """K, the number of clusters."""
 
     def __post_init__(self) -> None:
+        own_arrays(self)
         _same_shape("distance", self.distance, can_reach=self.can_reach)
         if self.distance.shape != (self.n_cells, self.n_cells):
             raise ValueError(f"distance has shape {self.distance.shape}; give a square")
         if self.weight.shape != (self.n_cells,):
             raise ValueError(f"weight has shape {self.weight.shape} for {self.n_cells} cells")
-        _finite(distance=self.distance, weight=self.weight)
+        require_finite(distance=self.distance, weight=self.weight)
 
     @property
     def n_cells(self) -> int:
@@ -109,9 +110,10 @@ class ClusterData:
     """Most clusters that robot r may take, ``(n_robots,)``."""
 
     def __post_init__(self) -> None:
+        own_arrays(self)
         _same_shape("w", self.w, w_full=self.w_full)
         _per_robot(self.w, budget=self.budget)
-        _finite(w=self.w, w_full=self.w_full)
+        require_finite(w=self.w, w_full=self.w_full)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,9 +138,10 @@ class VictimData:
     """Most time units that robot r may be busy in all, ``inf`` for no limit, ``(n_robots,)``."""
 
     def __post_init__(self) -> None:
+        own_arrays(self)
         _same_shape("success", self.success, failure=self.failure, can_serve=self.can_serve)
         _per_robot(self.success, busy=self.busy, budget=self.budget, endurance=self.endurance)
-        _finite(success=self.success, failure=self.failure, busy=self.busy)
+        require_finite(success=self.success, failure=self.failure, busy=self.busy)
 
     @property
     def matching_size(self) -> int:
@@ -200,6 +203,7 @@ class JointAssignmentData:
     ``(n_robots, n_robots + 1, n_victims)``."""
 
     def __post_init__(self) -> None:
+        own_arrays(self)
         _same_shape("w", self.w, w_full=self.w_full)
         (n_robots, n_clusters), n_victims = self.w.shape, len(self.cluster)
         at_post, at_holder = (n_robots, n_clusters + 1), (n_robots, n_robots + 1)
@@ -212,8 +216,18 @@ class JointAssignmentData:
         }.items():
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} has shape {getattr(self, name).shape}; give {shape}")
-        _finite(w=self.w, w_full=self.w_full, arrival=self.arrival, record=self.record)
-        _finite(service=self.service, redo=self.redo)
+        require_finite(w=self.w, w_full=self.w_full, arrival=self.arrival, record=self.record)
+        require_finite(service=self.service, redo=self.redo)
+
+
+def own_arrays(data: object) -> None:
+    """Give `data`, a frozen dataclass, its own read-only copies of its arrays."""
+    for item in fields(data):  # type: ignore[arg-type]
+        value = getattr(data, item.name)
+        if isinstance(value, np.ndarray):
+            copy = np.array(value)
+            copy.setflags(write=False)
+            object.__setattr__(data, item.name, copy)
 
 
 def _same_shape(name: str, array: Floats, **others: NDArray[np.generic]) -> None:
@@ -230,7 +244,8 @@ def _per_robot(array: Floats, **others: NDArray[np.generic]) -> None:
             raise ValueError(f"{other} has shape {values.shape} for {array.shape[0]} robots")
 
 
-def _finite(**arrays: Floats) -> None:
+def require_finite(**arrays: Floats) -> None:
+    """Refuse arrays that hold anything but numbers."""
     for name, values in arrays.items():
         if not np.isfinite(values).all():
             raise ValueError(f"{name} holds values that are not finite")

@@ -110,7 +110,9 @@ def _is_supported(line: Line, envelope: Envelope, exact: bool) -> bool:
     for t in ends:
         best = envelope.at(t).line.value(t)
         difference = abs(line.value(t) - best)
-        if difference == 0 or (not exact and float(difference) <= 1e-9 * max(1.0, abs(float(best)))):
+        if difference == 0 or (
+            not exact and float(difference) <= 1e-9 * max(1.0, abs(float(best)))
+        ):
             return True
     return False
 

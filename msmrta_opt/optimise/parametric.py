@@ -119,7 +119,9 @@ class Family:
             raise ModelError(f"{name} has no parameter {parameter!r}")
         ends = [compiled.program(**{parameter: t}, **others) for t in (0.0, 1.0, 0.5)]
         if not all(_same_rows(ends[0], other) for other in ends[1:]):
-            raise ModelError(f"{name}: {parameter} enters the rows, so the value is not its envelope")
+            raise ModelError(
+                f"{name}: {parameter} enters the rows, so the value is not its envelope"
+            )
         if not np.allclose(ends[2].cost, (ends[0].cost + ends[1].cost) / 2, rtol=1e-9, atol=1e-9):
             raise ModelError(f"{name}: the cost is not linear in {parameter}")
         self.program = ends[0]
@@ -153,7 +155,10 @@ class Family:
         return 0 if self._whole_offsets is None else int(self._whole_offsets[end])
 
     def at(self, t: Fraction) -> Program:
-        """The program at `t`, without its offset; its cost is scaled to whole numbers where that is exact."""
+        """The program at `t`, without its offset.
+
+        Its cost is scaled to whole numbers where that is exact.
+        """
         if self._whole is not None:
             p, q = t.numerator, t.denominator
             largest = max(int(np.abs(cost).max(initial=0)) for cost in self._whole)

@@ -96,6 +96,17 @@ class Program:
         """The objective at `x`, shape ``(n_columns,)``."""
         return float(self.cost @ x) + self.offset
 
+    def with_whole_bounds(self) -> Program:
+        """The same program, bounds of integer columns moved to the integers that they admit.
+
+        Solvers are not to be relied on for this: HiGHS' presolve is known to go wrong without it.
+        """
+        lower = np.where(self.integer, np.ceil(self.lower - 1e-9), self.lower)
+        upper = np.where(self.integer, np.floor(self.upper + 1e-9), self.upper)
+        if np.array_equal(lower, self.lower) and np.array_equal(upper, self.upper):
+            return self
+        return replace(self, lower=lower, upper=upper)
+
     def relaxed(self) -> Program:
         """The same program without integrality."""
         return replace(self, integer=np.zeros(self.n_columns, dtype=bool))

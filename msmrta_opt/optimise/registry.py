@@ -15,6 +15,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from .. import formulations
@@ -39,6 +40,10 @@ class Formulation:
     spec: Spec
     mathematics: str
     build: Callable[[Any], cp.Problem] = field(compare=False)
+
+    def takes(self, **values: float) -> dict[str, Any]:
+        """Those of `values` that are parameters of this formulation."""
+        return {name: value for name, value in values.items() if name in self.spec.parameters}
 
 
 @dataclass(frozen=True)
@@ -131,18 +136,29 @@ def get(name: str, *, stage: str | None = None) -> Formulation:
     return listing.formulation
 
 
+def _import(name: str) -> ModuleType:
+    """Import a model file without leaving bytecode, which hides edits made within a second."""
+    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    if name not in sys.modules:
+        importlib.invalidate_caches()  # the file may be younger than the folder's listing
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.dont_write_bytecode = before
+
+
 def _load(path: Path) -> Listing:
     try:
-        module = importlib.import_module(f"{formulations.__name__}.{path.stem}")
+        module = _import(f"{formulations.__name__}.{path.stem}")
         spec, build = module.SPEC, module.build
         if not isinstance(spec, Spec) or not callable(build):
             raise TypeError("SPEC is not a Spec, or build is not a function")
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         # A model file is the user's own code: whatever it raises is news about that file.
         return Listing(
             path.stem,
             path,
-            error=_one_line(error),
+            error=_one_line(error, path),
             details="".join(traceback.format_exception(error)),
         )
     mathematics = inspect.cleandoc(module.__doc__ or "")
@@ -151,9 +167,17 @@ def _load(path: Path) -> Listing:
     )
 
 
-def _one_line(error: Exception) -> str:
-    if isinstance(error, SyntaxError):
-        return f"SyntaxError in line {error.lineno}: {error.msg}"
+def _one_line(error: BaseException, path: Path) -> str:
+    if isinstance(error, SyntaxError) and error.lineno is not None:
+        return f"line {error.lineno}: SyntaxError: {error.msg}"
+    said = (str(error).splitlines() or [""])[0]
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if frame.filename == str(path)
+    ]
+    if lines:
+        return f"line {lines[-1]}: {type(error).__name__}: {said}"
     if isinstance(error, AttributeError):
-        return f"{error}; a model file has a SPEC and a function build(data)"
-    return f"{type(error).__name__}: {error}".splitlines()[0]
+        return f"{said}; a model file has a SPEC and a function build(data)"
+    return f"{type(error).__name__}: {said}"

@@ -84,7 +84,7 @@ def recognise(program: Program) -> Structure | None:
 
 
 def _core(program: Program) -> Core | None:
-    """The program without single-entry rows and fixed columns; ``None`` if bounds cross."""
+    """The program without single-entry rows and fixed columns; ``None`` if that shows a conflict."""
     matrix = program.matrix.copy()
     matrix.eliminate_zeros()
     lower, upper = program.lower.copy(), program.upper.copy()
@@ -106,7 +106,11 @@ def _core(program: Program) -> Core | None:
     columns = np.flatnonzero(~is_fixed)
     shift = matrix @ fixed
     inner = matrix[:, columns].tocsr() if is_fixed.any() else matrix
-    rows = np.flatnonzero((entries != 1) & (np.diff(inner.indptr) > 0))
+    decided = np.diff(inner.indptr) == 0
+    missed = np.maximum(program.row_lower - shift, shift - program.row_upper)
+    if np.any(missed[decided] > 1e-9):
+        return None
+    rows = np.flatnonzero((entries != 1) & ~decided)
     inner = inner[rows] if len(rows) < matrix.shape[0] else inner
     return Core(
         rows,
@@ -206,6 +210,6 @@ def _two_colours(n: int, first: Ints, second: Ints, differ: Bools) -> Ints | Non
 def integral_relaxation(program: Program, structure: Structure) -> Program:
     """The linear program that `structure` proves to have integral vertices."""
     core = structure.core
-    lower, upper = program.lower.copy(), program.upper.copy()
+    lower, upper = core.fixed.copy(), core.fixed.copy()
     lower[core.columns], upper[core.columns] = core.lower, core.upper
     return replace(program.relaxed(), lower=lower, upper=upper)

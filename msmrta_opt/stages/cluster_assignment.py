@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from ..mission.errors import InputError
 from ..mission.grid import manhattan
+from ..optimise import registry
 from ..optimise.formulation import ClusterData
 from ..optimise.solution import Solution
 from ..optimise.solve import solve
 from .clustering import Clustering
 from .options import StagedOptions
 from .requirement_analysis import RequirementAnalysis
-from .situation import Situation, Stop, nearest_first
+from .situation import Situation, Stop, each_once, nearest_first
 
 STAGE = "B2"
 
@@ -82,25 +83,31 @@ def cluster_assignment(
     CheckError
         If there is no solution that passes its check.
     """
-    deferred = _behind_walls(situation, clusters)
+    deferred = behind_walls(situation, clusters)
     data = cluster_data(situation, analysis, clusters, options)
     chosen = np.zeros(data.w.shape, dtype=bool)
     if not clusters.n_clusters:
         return ClusterAssignment(chosen, [], deferred, None)
-    solution = solve(options.cluster_model, data, psi=options.psi).require()
+    model = registry.get(options.cluster_model, stage="cluster")
+    solution = solve(model, data, **model.takes(psi=options.psi)).require()
     chosen = binary(solution, data.w.shape)
     stops: list[Stop] = []
     for r, start in enumerate(situation.instance.starts):
-        taken = [int(c) for c in np.flatnonzero(chosen[r])]
-        # A robot cannot enter a cluster whose centre it cannot reach.
+        # A robot cannot enter a cluster whose centre it cannot reach, and does not go to one around
+        # which it can serve nobody.
         field = situation.distances.field(start)
-        taken = [c for c in taken if np.isfinite(field[clusters.cells[c]])]
+        served = {
+            int(c): served_members(situation, analysis, clusters, r, int(c), deferred, options)
+            for c in np.flatnonzero(chosen[r])
+            if np.isfinite(field[clusters.cells[c]])
+        }
+        taken = [c for c, visits in served.items() if visits]
         order = nearest_first(situation.distances, start, [clusters.cells[c] for c in taken])
         for c in (taken[i] for i in order):
             if options.through_centre:
                 stops.append(Stop(r, clusters.cells[c], STAGE))
-            stops.extend(_served(situation, analysis, clusters, r, c, deferred, options))
-    return ClusterAssignment(chosen, stops, deferred, solution)
+            stops.extend(served[c])
+    return ClusterAssignment(chosen, each_once(stops), deferred, solution)
 
 
 def binary(solution: Solution, shape: tuple[int, ...]) -> NDArray[np.bool_]:
@@ -117,7 +124,8 @@ def binary(solution: Solution, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     return np.asarray(x > 0.5)
 
 
-def _behind_walls(situation: Situation, clusters: Clustering) -> frozenset[int]:
+def behind_walls(situation: Situation, clusters: Clustering) -> frozenset[int]:
+    """The victims whose walk from their cluster's centre is longer than without walls."""
     return frozenset(
         v
         for v, (cell, c) in enumerate(zip(situation.instance.cells, clusters.labels, strict=True))
@@ -125,7 +133,7 @@ def _behind_walls(situation: Situation, clusters: Clustering) -> frozenset[int]:
     )
 
 
-def _served(
+def served_members(
     situation: Situation,
     analysis: RequirementAnalysis,
     clusters: Clustering,
@@ -134,6 +142,7 @@ def _served(
     deferred: frozenset[int],
     options: StagedOptions,
 ) -> list[Stop]:
+    """What `robot` serves in `cluster`, by Manhattan distance from the centre, then by victim."""
     instance, centre = situation.instance, clusters.cells[cluster]
     candidates = [
         v

@@ -1,7 +1,8 @@
 """Clustering of victims by location (Algorithm 1, Clustering): K-means, seeded, several starts.
 
-An instance may pin its clusters. A cluster's centre is the mean location of its members; for
-distances the nearest free cell stands for it from which a member can be reached.
+An instance may pin its clusters, and a formulation may take the place of K-means, so that walls count.
+A cluster's centre is the mean location of its members; for distances the nearest free cell stands for
+it from which a member can be reached, or the median where a formulation chose one.
 """
 
 from __future__ import annotations
@@ -11,7 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mission.errors import InputError
 from ..mission.grid import Cell
+from ..optimise import registry
+from ..optimise.formulation import ClusteringData
+from ..optimise.solution import Solution
+from ..optimise.solve import solve
 from .k_means import k_means
 from .options import StagedOptions
 from .situation import Situation
@@ -31,12 +37,15 @@ class Clustering:
         The free cell that stands for each centre.
     pinned : bool
         Whether the instance gave the labels.
+    solution : Solution or None
+        Of the formulation that gave them, if one did.
     """
 
     labels: NDArray[np.int64]
     centres: NDArray[np.float64]
     cells: list[Cell]
     pinned: bool
+    solution: Solution | None = None
 
     @property
     def n_clusters(self) -> int:
@@ -53,40 +62,96 @@ class Clustering:
 
 
 def clustering(situation: Situation, options: StagedOptions) -> Clustering:
-    """Group the victims into ``min(n_robots, number of distinct victim cells)`` clusters.
+    """Group the victims: as the instance pins them, by a formulation, or else by K-means.
+
+    K is ``min(n_robots, number of distinct victim cells)``; for a formulation see `clustering_data`.
 
     Parameters
     ----------
     situation : Situation
         The known victims.
     options : StagedOptions
-        ``seed`` of the starts of K-means; ``pinned_clusters``.
+        ``pinned_clusters``; ``clustering_model``; ``seed`` of the starts of K-means.
+
+    Raises
+    ------
+    InputError
+        If ``clustering_model`` is no formulation of clustering.
+    CheckError
+        If it has no solution that passes its check.
     """
     instance = situation.instance
     if not instance.n_victims:
         return Clustering(np.empty(0, dtype=np.int64), np.empty((0, 2)), [], pinned=False)
-    locations = np.array(instance.cells, dtype=float)
     pinned = options.pinned_clusters and instance.clusters is not None
+    if options.clustering_model is not None and not pinned:
+        return _around_medians(situation, options.clustering_model)
     k = min(instance.n_robots, len(set(instance.cells)))
+    locations = np.array(instance.cells, dtype=float)
     labels = np.array(instance.clusters) if pinned else k_means(locations, k, options.seed)
     # Scouts may not have found any member of a pinned cluster, so labels are made consecutive.
     _, labels = np.unique(labels, return_inverse=True)
-    count = np.bincount(labels)
-    centres = np.stack([np.bincount(labels, weights=axis) / count for axis in locations.T], axis=1)
-    cells = [_centre_cell(situation, centres[c], labels == c) for c in range(len(count))]
+    centres = _means(locations, labels)
+    cells = [_centre_cell(situation, labels == c) for c in range(len(centres))]
     return Clustering(labels.astype(np.int64), centres, cells, pinned)
 
 
-def _centre_cell(
-    situation: Situation, centre: NDArray[np.float64], members: NDArray[np.bool_]
-) -> Cell:
-    """The nearest cell to `centre` from which a member can be reached; ties: row, then column."""
-    grid = situation.instance.map
-    cells = np.argwhere(grid.free)
-    order = np.argsort(((cells - centre) ** 2).sum(axis=1), kind="stable")
-    fields = [
-        situation.distances.field(situation.instance.cells[v]) for v in np.flatnonzero(members)
-    ]
+def clustering_data(situation: Situation) -> ClusteringData:
+    """The victims' distinct cells, by row and column, and the walks between them.
+
+    K is as for K-means, but no less than the number of parts of the map, joined by no walk, that
+    hold victims: each of them needs a cluster of its own.
+    """
+    instance = situation.instance
+    cells = sorted(set(instance.cells))
+    distance = situation.distances.between(cells, cells)
+    can_reach = np.isfinite(distance)
+    n_parts = len(np.unique(can_reach, axis=0))
+    return ClusteringData(
+        distance=np.where(can_reach, distance, 0.0),
+        can_reach=can_reach,
+        weight=np.array([instance.cells.count(cell) for cell in cells], dtype=float),
+        n_clusters=max(min(instance.n_robots, len(cells)), n_parts),
+    )
+
+
+def _around_medians(situation: Situation, model: str) -> Clustering:
+    data = clustering_data(situation)
+    solution = solve(registry.get(model, stage="clustering"), data).require()
+    y = solution.values.get("y")
+    if y is None or y.shape != data.distance.shape:
+        shape = data.distance.shape
+        raise InputError(f"it has no variable 'y' of shape {shape}", field=solution.formulation)
+    cells = sorted(set(situation.instance.cells))
+    median_of = dict(zip(cells, y.argmax(axis=1), strict=True))
+    medians, labels = np.unique(
+        [median_of[cell] for cell in situation.instance.cells], return_inverse=True
+    )
+    return Clustering(
+        labels.astype(np.int64),
+        _means(np.array(situation.instance.cells, dtype=float), labels),
+        [cells[median] for median in medians],
+        pinned=False,
+        solution=solution,
+    )
+
+
+def _means(locations: NDArray[np.float64], labels: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Mean location of each cluster's members, shape ``(K, 2)``."""
+    count = np.bincount(labels)
+    return np.stack([np.bincount(labels, weights=axis) / count for axis in locations.T], axis=1)
+
+
+def _centre_cell(situation: Situation, members: NDArray[np.bool_]) -> Cell:
+    """The nearest cell to the mean of `members` from which one of them can be reached.
+
+    Ties go to the smallest row, then column.
+    """
+    cells = np.argwhere(situation.instance.map.free)
+    own = np.array(situation.instance.cells)[members]
+    # Whole numbers, since rounding of the mean would break ties at random.
+    order = np.argsort(((len(own) * cells - own.sum(axis=0)) ** 2).sum(axis=1), kind="stable")
+    fields = [situation.distances.field((int(row), int(col))) for row, col in own]
     for row, col in cells[order]:
         if any(np.isfinite(field[row, col]) for field in fields):
             return int(row), int(col)

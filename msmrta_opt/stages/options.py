@@ -6,7 +6,10 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields
+from numbers import Integral, Real
 from typing import Any, Literal, get_args, get_type_hints
+
+import numpy as np
 
 from ..mission.errors import InputError
 
@@ -24,6 +27,8 @@ class StagedOptions:
     """ψ of Eq. 1, importance of full over partial satisfaction, 0 to 1."""
     beta: float = 0.5
     """β of Eq. 2, importance of failure time over success time, 0 to 1."""
+    clustering_model: str | None = None
+    """Formulation that groups the victims; without one, K-means does."""
     cluster_model: str = "cluster_one_to_one"
     """Formulation of Eq. 1."""
     victim_model: str = "victim_one_to_one"
@@ -56,21 +61,30 @@ class StagedOptions:
 
     def __post_init__(self) -> None:
         for name in ("psi", "beta"):
-            value = getattr(self, name)
-            if not (_is_number(value) and 0 <= value <= 1):
-                raise InputError(f"{value!r}; give a number from 0 to 1", field=name)
+            self._check(name, Real, float, 0, 1, "a number from 0 to 1")
+        self._check("budget", Integral, int, 1, np.inf, "a whole number, 1 or more")
+        self._check("seed", Integral, int, 0, 2**32 - 1, "a whole number, 0 to 2**32 - 1")
+        if self.endurance is not None:
+            self._check("endurance", Real, float, 0, np.inf, "time units, 0 or more")
+        for name in ("through_centre", "pinned_clusters", "shared_table"):
+            if not isinstance(getattr(self, name), (bool, np.bool_)):
+                raise InputError(f"{getattr(self, name)!r}; give true or false", field=name)
         for name in ("weights", "members", "performance", "award"):
             choices = get_args(get_type_hints(type(self))[name])
             if getattr(self, name) not in choices:
                 raise InputError(
                     f"{getattr(self, name)!r}; give one of {', '.join(choices)}", field=name
                 )
-        if not (isinstance(self.budget, int) and self.budget >= 1):
-            raise InputError(f"{self.budget!r}; give a whole number, 1 or more", field="budget")
-        if self.endurance is not None and not (_is_number(self.endurance) and self.endurance >= 0):
-            raise InputError(f"{self.endurance!r}; give time units, 0 or more", field="endurance")
-        if not (isinstance(self.seed, int) and 0 <= self.seed < 2**32):
-            raise InputError(f"{self.seed!r}; give a whole number, 0 to 2**32 - 1", field="seed")
+
+    def _check(
+        self, name: str, kind: type, plain: type, least: float, most: float, right: str
+    ) -> None:
+        """Refuse what is not a number in its range; numpy's numbers become Python's."""
+        value = getattr(self, name)
+        is_number = isinstance(value, kind) and not isinstance(value, (bool, np.bool_))
+        if not (is_number and least <= value <= most):
+            raise InputError(f"{value!r}; give {right}", field=name)
+        object.__setattr__(self, name, plain(value))
 
     @classmethod
     def of(cls, preset: str = "paper", **changes: Any) -> StagedOptions:
@@ -98,7 +112,3 @@ PRESETS: dict[str, dict[str, Any]] = {
     "paper": {},
     "authors": {"weights": "authors", "members": "partial", "performance": "robot"},
 }
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -42,10 +42,10 @@ def performance_analysis(
     instance = situation.instance
     ends, busy = situation.after(stops)
     does = situation.able & remaining
-    can_serve = does.any(axis=2)
+    can_serve = np.asarray(does.any(axis=2))
     n_capabilities = np.maximum(instance.P.sum(axis=1), 1)
     lost = ~instance.P[:, None, :] * (instance.service * remaining)[None, :, :]
-    record = _lost_so_far(situation, stops)
+    record = lost_so_far(situation, stops)
     if options.performance == "pair":
         travel = situation.distances.between(ends, instance.cells) / instance.speed[:, None]
         service = (does * instance.service).sum(axis=2)
@@ -71,7 +71,7 @@ def performance_analysis(
     )
 
 
-def _lost_so_far(situation: Situation, stops: Sequence[Stop]) -> NDArray[np.float64]:
+def lost_so_far(situation: Situation, stops: Sequence[Stop]) -> NDArray[np.float64]:
     """Available service time that each robot left to others at the victims it visited."""
     instance = situation.instance
     record = np.zeros(instance.n_robots)

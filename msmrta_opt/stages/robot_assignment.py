@@ -45,18 +45,21 @@ def robot_assignment(
     bids = situation.distances.between(ends, instance.cells)
     awarded: list[Stop] = []
     for v in (int(v) for v in np.flatnonzero(remaining.any(axis=1))):
-        won: dict[int, list[int]] = {}
         announced = [int(k) for k in np.flatnonzero(remaining[v])]
-        winners = {k: _winner(bids[:, v], situation.able[:, v, k]) for k in announced}
+        offers = bids[:, v].copy()
+        won: dict[int, list[int]] = {}
         for k in announced:
-            robot = winners[k]
-            if options.award == "sequential":
-                robot = _winner(bids[:, v], situation.able[:, v, k])
-                bids[robot] = situation.distances.between([instance.cells[v]], instance.cells)[0]
+            robot = _winner(offers, situation.able[:, v, k])
             won.setdefault(robot, []).append(k)
-        full = [robot for robot in won if analysis.full[robot, v]]
-        if full:
-            won = {min(full, key=lambda r: (bids[r, v], r)): announced}
+            if options.award == "sequential":
+                offers[robot] = 0.0
+        # The nearest robot that fully satisfies a victim wins every kind of it that it wins at all,
+        # so there is at most one such winner.
+        for robot in [robot for robot in won if analysis.full[robot, v]]:
+            won = {robot: announced}
+        if options.award == "sequential":
+            field = situation.distances.between([instance.cells[v]], instance.cells)[0]
+            bids[list(won)] = field
         awarded.extend(
             Stop(robot, instance.cells[v], STAGE, v, tuple(kinds)) for robot, kinds in won.items()
         )

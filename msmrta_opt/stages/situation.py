@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -55,8 +55,7 @@ class Situation:
     @cached_property
     def available(self) -> NDArray[np.bool_]:
         """Requirements that some robot can serve, shape ``(n_victims, n_kinds)``."""
-        available: NDArray[np.bool_] = self.able.any(axis=0)
-        return available
+        return np.asarray(self.able.any(axis=0))
 
     def after(self, stops: Iterable[Stop]) -> tuple[list[Cell], NDArray[np.float64]]:
         """Where each robot's queue ends, and when, in time units, shape ``(n_robots,)``."""
@@ -78,6 +77,25 @@ def without(remaining: NDArray[np.bool_], stops: Iterable[Stop]) -> NDArray[np.b
         if stop.victim is not None:
             left[stop.victim, list(stop.kinds)] = False
     return left
+
+
+def each_once(stops: Iterable[Stop]) -> list[Stop]:
+    """The stops without a requirement that an earlier one serves.
+
+    A formulation may send several robots to a victim; each requirement is served by the first.
+    Stops that only pass a cell stay.
+    """
+    done: set[tuple[int, int]] = set()
+    kept = []
+    for stop in stops:
+        if stop.victim is None:
+            kept.append(stop)
+            continue
+        left = tuple(k for k in stop.kinds if (stop.victim, k) not in done)
+        done.update((stop.victim, k) for k in left)
+        if left:
+            kept.append(replace(stop, kinds=left))
+    return kept
 
 
 def nearest_first(distances: DistanceTable, start: Cell, cells: Sequence[Cell]) -> list[int]:

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..optimise import registry
 from ..optimise.formulation import VictimData
 from ..optimise.solution import Solution
 from ..optimise.solve import solve
 from .cluster_assignment import binary, kinds
 from .options import StagedOptions
-from .situation import Situation, Stop, nearest_first
+from .situation import Situation, Stop, each_once, nearest_first
 
 STAGE = "B3"
 
@@ -56,7 +57,8 @@ def victim_assignment(
     """
     if not data.can_serve.any():
         return VictimAssignment([], None)
-    solution = solve(options.victim_model, data, beta=options.beta).require()
+    model = registry.get(options.victim_model, stage="victim")
+    solution = solve(model, data, **model.takes(beta=options.beta)).require()
     chosen = binary(solution, data.can_serve.shape)
     cells = situation.instance.cells
     ends, _ = situation.after(stops)
@@ -68,19 +70,4 @@ def victim_assignment(
             Stop(r, cells[v], STAGE, v, kinds(situation.able[r, v] & remaining[v]))
             for v in (taken[i] for i in order)
         )
-    return VictimAssignment(_each_once(queued), solution)
-
-
-def _each_once(stops: Sequence[Stop]) -> list[Stop]:
-    """The stops without a requirement that an earlier one serves.
-
-    A formulation may send several robots to a victim; each requirement is served by the first.
-    """
-    done: set[tuple[int | None, int]] = set()
-    kept = []
-    for stop in stops:
-        left = tuple(k for k in stop.kinds if (stop.victim, k) not in done)
-        done.update((stop.victim, k) for k in left)
-        if left:
-            kept.append(Stop(stop.robot, stop.cell, stop.stage, stop.victim, left))
-    return kept
+    return VictimAssignment(each_once(queued), solution)

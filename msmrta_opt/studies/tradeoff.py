@@ -1,9 +1,9 @@
 """What ψ and β do to a mission: every assignment that is ever optimal, and where they change.
 
 The cost of Eq. 1 is linear in ψ and that of Eq. 2 in β, so each optimum holds on an interval, and the
-intervals are found exactly (`optimise.parametric`), not sampled. Over both at once: ψ decides stage B2 and
-through it the data of Eq. 2, so the unit square falls into strips, one per piece of ψ, each cut by the
-breakpoints of β there. Within a region the plan stays the same, up to ties.
+intervals are found exactly (`optimise.parametric`), not sampled. Over both at once: ψ decides stage
+B2 and through it the data of Eq. 2, so the unit square falls into strips, one per piece of ψ, each
+cut by the breakpoints of β there. Within a region the plan stays the same, up to ties.
 """
 
 from __future__ import annotations
@@ -184,7 +184,7 @@ def tradeoff_regions(mission: Instance, **options: Any) -> Regions:
         Of the staged planner, as for `plan`.
     """
     settings = _settings(options, "cluster", None)
-    family, strips = _pieces(mission, "psi", settings.cluster_model, settings)
+    _, strips = _pieces(mission, "psi", settings.cluster_model, settings)
     regions: list[Region] = []
     exact, n_solves = strips.exact, strips.n_solves
     for strip in strips.pieces:
@@ -242,7 +242,8 @@ def _segment(
 ) -> Segment:
     middle = (low + high) / 2
     lines, all_of_them = optima(family, middle, most=2)
-    at = replace(settings, **{over: _middle(low, high)})
+    changed: dict[str, Any] = {over: _middle(low, high)}
+    at = replace(settings, **changed)
     return Segment(
         low=low,
         high=high,

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..formulation import Bools, Floats, _finite
+from ..formulation import Bools, Floats, own_arrays, require_finite
 
 Objective = Literal["total_time", "makespan", "latency"]
 Visit = tuple[int, tuple[int, ...]]
@@ -51,6 +51,7 @@ class RoutingData:
     """Longest travel time of r, ``inf`` for no limit, ``(n_robots,)``."""
 
     def __post_init__(self) -> None:
+        own_arrays(self)
         n, m, kinds = self.able.shape
         for name, shape in {
             "leave": (n, m),
@@ -63,7 +64,7 @@ class RoutingData:
         }.items():
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} has shape {getattr(self, name).shape}; give {shape}")
-        _finite(leave=self.leave, between=self.between, back=self.back, service=self.service)
+        require_finite(leave=self.leave, between=self.between, back=self.back, service=self.service)
 
     @property
     def n_robots(self) -> int:

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..program import Program
 from .base import Options, Outcome, Solver
-
-if TYPE_CHECKING:
-    import highspy
 
 _threads_in_use: int | None = None
 
@@ -23,8 +20,8 @@ def run(program: Program, options: Options) -> Outcome:
 
     began = time.perf_counter()
     highs = highspy.Highs()
-    _set_options(highs, options, integer=bool(program.integer.any()))
-    highs.passModel(_model(highspy, program))
+    set_options(highs, options, integer=bool(program.integer.any()))
+    highs.passModel(model(highspy, program))
     if options.start is not None:
         known = np.flatnonzero(np.isfinite(options.start))
         highs.setSolution(len(known), known.astype(np.int32), options.start[known])
@@ -35,7 +32,8 @@ def run(program: Program, options: Options) -> Outcome:
     return outcome
 
 
-def _set_options(highs: Any, options: Options, *, integer: bool) -> None:
+def set_options(highs: Any, options: Options, *, integer: bool) -> None:
+    """Set the common options on a Highs object; defaults prove optimality on one thread."""
     # HiGHS has one scheduler per process; a new number of threads needs a new scheduler.
     global _threads_in_use
     threads = options.threads or 1
@@ -58,24 +56,25 @@ def _set_options(highs: Any, options: Options, *, integer: bool) -> None:
         highs.setOptionValue(name, value)
 
 
-def _model(highspy: Any, program: Program) -> highspy.HighsLp:
+def model(highspy: Any, program: Program) -> Any:
     """The program as a minimisation: bounds of maximisations in HighsInfo have the other sign."""
-    model = highspy.HighsLp()
-    model.num_col_ = program.n_columns
-    model.num_row_ = program.n_rows
-    model.col_cost_ = program.sign * program.cost
-    model.col_lower_ = program.lower
-    model.col_upper_ = program.upper
-    model.row_lower_ = program.row_lower
-    model.row_upper_ = program.row_upper
-    model.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
-    model.a_matrix_.start_ = program.matrix.indptr
-    model.a_matrix_.index_ = program.matrix.indices
-    model.a_matrix_.value_ = program.matrix.data
+    lp = highspy.HighsLp()
+    lp.num_col_ = program.n_columns
+    lp.num_row_ = program.n_rows
+    lp.col_cost_ = program.sign * program.cost
+    lp.offset_ = program.sign * program.offset  # a relative gap is measured with the constant
+    lp.col_lower_ = program.lower
+    lp.col_upper_ = program.upper
+    lp.row_lower_ = program.row_lower
+    lp.row_upper_ = program.row_upper
+    lp.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
+    lp.a_matrix_.start_ = program.matrix.indptr
+    lp.a_matrix_.index_ = program.matrix.indices
+    lp.a_matrix_.value_ = program.matrix.data
     if program.integer.any():
         kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
-        model.integrality_ = [kinds[int(integer)] for integer in program.integer]
-    return model
+        lp.integrality_ = [kinds[int(integer)] for integer in program.integer]
+    return lp
 
 
 def _outcome(highspy: Any, highs: Any, program: Program) -> Outcome:
@@ -114,13 +113,19 @@ def _outcome(highspy: Any, highs: Any, program: Program) -> Outcome:
     )
     if model_status in stopped:
         bound = _own_bound(program, info.mip_dual_bound) if integer else None
-        status = "no_solution" if x is None else "feasible"
-        return Outcome(status, x, bound, nodes, proof="branch and bound", message=name)
+        return Outcome(
+            "no_solution" if x is None else "feasible",
+            x,
+            bound,
+            nodes,
+            proof="branch and bound",
+            message=name,
+        )
     return Outcome("error", message=f"HiGHS: {name}")
 
 
 def _own_bound(program: Program, bound: float) -> float | None:
-    return program.sign * bound + program.offset if np.isfinite(bound) else None
+    return program.sign * bound if np.isfinite(bound) else None
 
 
 def _unbounded_or_infeasible(program: Program, options: Options, began: float) -> Outcome:

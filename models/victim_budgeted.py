@@ -1,0 +1,46 @@
+"""Victims to robots within budgets: as many victims as can be, at the least cost.
+
+Sets        robots r, victims v
+Data        S_rv    success time of robot r at victim v, in time units
+            F_rv    failure time of robot r at victim v, in time units
+            a_rv    1 if r can reach v and serve something there, else 0
+            b_r     most victims that robot r may take
+            ν       most victims that can be taken within the budgets
+Parameter   β in [0, 1], the importance of failure time over success time
+Variables   x_rv in {0, a_rv}: robot r takes victim v
+
+    min   Σ_v Σ_r [(1 − β) S_rv + β F_rv] x_rv
+    s.t.  Σ_r x_rv ≤ 1           for all v   a victim has at most one robot
+          Σ_v x_rv ≤ b_r         for all r   a robot keeps to its budget
+          Σ_r Σ_v x_rv = ν                   as many victims as can be
+
+Size        N M variables, N + M + 1 rows. Totally unimodular.
+Source      Osooli et al. (2023), Eq. 2, with a budget per robot.
+"""
+
+import cvxpy as cp
+
+from msmrta_opt.optimise.formulation import BETA, Spec, VictimData
+
+SPEC = Spec(
+    stage="victim",
+    title="Eq. 2 with budgets: most victims, then least cost; robot r takes at most b_r",
+    parameters={"beta": BETA},
+)
+
+
+def build(data: VictimData) -> cp.Problem:
+    """The program for `data`; answers with ``x``, shape ``(n_robots, n_victims)``."""
+    beta = cp.Parameter(nonneg=True, name="beta")
+    x = cp.Variable(data.success.shape, boolean=True, bounds=[0, data.can_serve], name="x")
+
+    success = cp.sum(cp.multiply(data.success, x))
+    failure = cp.sum(cp.multiply(data.failure, x))
+    return cp.Problem(
+        cp.Minimize((1 - beta) * success + beta * failure),
+        [
+            (cp.sum(x, axis=0) <= 1).set_label("victim {v} has at most one robot"),
+            (cp.sum(x, axis=1) <= data.budget).set_label("robot {r} keeps to its budget"),
+            (cp.sum(x) == data.budgeted_size).set_label("as many victims as can be"),
+        ],
+    )

@@ -1,0 +1,99 @@
+"""Commands about integer programs: export, explain."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .missions import InstanceFile
+from .models import Folders, Model, add_folders
+from .outputs import named_values
+
+if TYPE_CHECKING:
+    from ..optimise.registry import Formulation
+
+Parameters = Annotated[
+    list[str] | None,
+    typer.Option("--param", help="A parameter of the formulation.", metavar="NAME=VALUE"),
+]
+Options = Annotated[
+    list[str] | None,
+    typer.Option("--option", help="An option of the stages before.", metavar="NAME=VALUE"),
+]
+
+
+def register(app: typer.Typer) -> None:
+    """Add this file's commands to `app`."""
+    for command in (export, explain):
+        app.command()(command)
+
+
+def export(
+    model: Model,
+    instance: InstanceFile,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The file: .mps or .lp.")],
+    parameters: Parameters = None,
+    options: Options = None,
+    folders: Folders = None,
+) -> None:
+    """Write a formulation on an instance as an integer program, for any solver, unsolved."""
+    from ..optimise.export import export as write
+    from ..optimise.export import require_format
+    from .outputs import check_outputs
+
+    check_outputs(output)
+    require_format(output)
+    formulation, data = _prepared(model, instance, options, folders)
+    write(formulation, data, output, **_numbers(formulation, parameters))
+    typer.echo(f"{formulation.name} written to {output}")
+
+
+def explain(
+    model: Model,
+    instance: InstanceFile,
+    parameters: Parameters = None,
+    options: Options = None,
+    folders: Folders = None,
+    time_limit: Annotated[float | None, typer.Option(help="Seconds.  [default: none]")] = None,
+) -> None:
+    """Say why a formulation has no solution on an instance: the constraints that conflict."""
+    from ..optimise.explain import explain as find
+    from .console import say
+
+    formulation, data = _prepared(model, instance, options, folders)
+    found = find(formulation, data, time_limit=time_limit, **_numbers(formulation, parameters))
+    say(found.text)
+    if found.status == "unknown":
+        raise typer.Exit(1)
+
+
+def _prepared(
+    model: str, instance: Path, options: list[str] | None, folders: list[Path] | None
+) -> tuple[Formulation, Any]:
+    """The formulation and its data, for an instance file."""
+    from ..mission.instance import Instance
+    from ..optimise import registry
+    from ..stages.data import stage_data
+    from ..stages.options import StagedOptions
+
+    add_folders(folders)
+    formulation = registry.get(model)
+    given = StagedOptions.of(**named_values(options))
+    return formulation, stage_data(Instance.read(instance), formulation.spec.stage, given)
+
+
+def _numbers(formulation: Formulation, texts: list[str] | None) -> dict[str, float]:
+    """The parameters of `formulation`, those of `texts` and defaults for the rest."""
+    from ..mission.errors import InputError
+    from ..optimise.compile import parameter_values
+
+    given = {}
+    for text in texts or []:
+        name, _, value = text.partition("=")
+        try:
+            given[name] = float(value)
+        except ValueError:
+            raise InputError(f"{text!r}; give NAME=NUMBER", field="--param") from None
+    return parameter_values(formulation, given)

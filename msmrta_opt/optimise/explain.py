@@ -1,0 +1,291 @@
+"""Why a program is infeasible: an irreducible set of its constraints, in the modeller's words.
+
+No point satisfies all members of the set, and without any one of them some point satisfies the rest.
+Members are rows and single bounds of variables; that a variable is integer is taken as given.
+
+The set is found by a deletion filter (Chinneck, *Feasibility and Infeasibility in Optimization*, 2008,
+ch. 6): whatever the others conflict without is dropped. It tries all rows at once, and halves what it
+cannot drop, between two labels where it can. So each member of the result has been left out alone,
+and the others had a point. Where already the LP relaxation is infeasible, it starts from the conflict
+that HiGHS finds in an elastic program, and needs linear programs only. (HiGHS can make that conflict
+irreducible by itself, in many times the time.)
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import Any, Literal
+
+import numpy as np
+
+from .formulation import Bools, Ints
+from .program import Program
+from .registry import Formulation
+from .solve import compile_for
+from .solvers import Options, highs
+
+NODES = 1_000
+"""Branch-and-bound nodes to try one deletion: without its bounds an integer program may need
+infinitely many. Where they do not suffice, the member stays."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why a program has no feasible point, if it has none."""
+
+    formulation: str
+    status: Literal["infeasible", "feasible", "unknown"]
+    """``unknown`` if there was neither a proof nor a point when the time was up."""
+    method: str = ""
+    rows: tuple[str, ...] = ()
+    """Rows that conflict, for instance ``cluster 2 has at most one robot``."""
+    bounds: tuple[str, ...] = ()
+    """Bounds of variables that conflict with them, for instance ``x[0,2] ≤ 0``."""
+    labels: tuple[str, ...] = ()
+    """Labels of the rows' constraints, for instance ``cluster {c} has at most one robot``."""
+    integrality: bool = False
+    """Whether fractional values would satisfy them all."""
+    irreducible: bool = False
+    """Whether it is proven that all of them are needed."""
+
+    @property
+    def text(self) -> str:
+        """The explanation in words, a line per member; many of a kind are counted."""
+        if self.status == "feasible":
+            return f"{self.formulation} is feasible."
+        if self.status == "unknown":
+            return f"{self.formulation}: stopped before it was known to be infeasible."
+        if not self.irreducible:
+            claim = "it is not known whether all of them are needed"
+        elif self.integrality:
+            claim = "without any one of them, whole numbers satisfy the others"
+        else:
+            claim = "without any one of them, fractional values satisfy the others"
+        members = _shortened([*self.rows, *self.bounds])
+        return "\n".join(
+            [
+                f"{self.formulation} is infeasible. "
+                f"These cannot hold together{' in whole numbers' * self.integrality}; {claim}:",
+                *(f"  {member}" for member in members),
+                f"Found by: {self.method}.",
+            ]
+        )
+
+
+def explain(
+    formulation: str | Formulation,
+    data: Any,
+    *,
+    time_limit: float | None = None,
+    **parameters: float,
+) -> Explanation:
+    """Say why `formulation` has no solution on `data`.
+
+    Parameters
+    ----------
+    formulation : str or Formulation
+        Its name in the registry, or itself.
+    data
+        What its stage takes, for instance `ClusterData`.
+    time_limit : float, optional
+        Seconds. When they are over, the set found so far is given; it may hold more than is needed.
+    **parameters : float
+        The formulation's parameters, for instance ``psi``.
+
+    Raises
+    ------
+    InputError
+        If a name, the time limit or a parameter is wrong.
+    ModelError
+        If the formulation cannot be built as a linear integer program.
+    """
+    compiled = compile_for(formulation, data)
+    program = compiled.program(**parameters)
+    return explain_program(program, time_limit=time_limit, name=compiled.formulation.name)
+
+
+def explain_program(
+    program: Program, *, time_limit: float | None = None, name: str = "the program"
+) -> Explanation:
+    """Say why arrays, from wherever they come, have no feasible point; see `explain`."""
+    options = Options(time_limit=time_limit)
+    deadline = np.inf if time_limit is None else time.perf_counter() + time_limit
+    relaxation = _System(program.relaxed(), options, deadline)
+    conflict = relaxation.everything
+    verdict = relaxation.is_infeasible(conflict)
+    if verdict:
+        method = "deletion filter with linear programs"
+        found = relaxation.conflict_by_highs()
+        if relaxation.is_infeasible(found):
+            conflict, method = found, f"elastic program of HiGHS, then {method}"
+        conflict, irreducible = _filtered(relaxation, conflict)
+        return _explanation(program, name, method, conflict, irreducible, integrality=False)
+    if verdict is False and program.integer.any():
+        system = _System(program, options, deadline)
+        verdict = system.is_infeasible(conflict)
+        if verdict:
+            method = "deletion filter with integer programs"
+            conflict, irreducible = _filtered(system, conflict)
+            return _explanation(program, name, method, conflict, irreducible, integrality=True)
+    return Explanation(name, "unknown" if verdict is None else "feasible")
+
+
+class _System:
+    """A live HiGHS model of which any members can be left out.
+
+    Members are numbered: ``n_rows`` rows, then ``n_columns`` lower bounds, then the upper ones.
+    """
+
+    def __init__(self, program: Program, options: Options, deadline: float) -> None:
+        import highspy
+
+        self.program = replace(program, cost=np.zeros(program.n_columns))
+        self.deadline = deadline
+        self._statuses = highspy.HighsModelStatus
+        self._highs: Any = highspy.Highs()
+        highs.set_options(self._highs, options, integer=bool(program.integer.any()))
+        self._highs.passModel(highs.model(highspy, self.program))
+
+    @property
+    def everything(self) -> Bools:
+        """Which members say something, shape ``(n_rows + 2 * n_columns,)``."""
+        program = self.program
+        bounded = np.isfinite(program.row_lower) | np.isfinite(program.row_upper)
+        return np.concatenate([bounded, np.isfinite(program.lower), np.isfinite(program.upper)])
+
+    @property
+    def time_is_up(self) -> bool:
+        """Whether the deadline has passed."""
+        return time.perf_counter() >= self.deadline
+
+    def is_infeasible(self, members: Bools, *, nodes: int | None = None) -> bool | None:
+        """Whether no point satisfies `members`; ``None`` if it was not found out."""
+        if self.time_is_up:
+            return None
+        self._restrict(members)
+        self._set_time_limit("time_limit")
+        self._highs.setOptionValue("mip_max_nodes", 2**31 - 1 if nodes is None else nodes)
+        self._highs.run()
+        status = self._highs.getModelStatus()
+        if status == self._statuses.kInfeasible:
+            return True
+        if status in (self._statuses.kOptimal, self._statuses.kModelEmpty):
+            return False
+        return None
+
+    def conflict_by_highs(self) -> Bools:
+        """The members that HiGHS takes to be infeasible, not verified and not all needed."""
+        import highspy
+
+        sides = highspy.IisBoundStatus
+        self._restrict(self.everything)
+        self._highs.setOptionValue("iis_strategy", int(highspy.IisStrategy.kIisStrategyFromLp))
+        self._set_time_limit("iis_time_limit")
+        _, found = self._highs.getIis()
+        members = np.zeros_like(self.everything)
+        members[found.row_index_] = True
+        n_rows, n_columns = self.program.n_rows, self.program.n_columns
+        for column, side in zip(found.col_index_, found.col_bound_, strict=True):
+            both = side == int(sides.kIisBoundStatusBoxed)
+            members[n_rows + column] = both or side == int(sides.kIisBoundStatusLower)
+            members[n_rows + n_columns + column] = both or side == int(sides.kIisBoundStatusUpper)
+        return members & self.everything
+
+    def _restrict(self, members: Bools) -> None:
+        program = self.program
+        rows, lower, upper = np.split(members, [program.n_rows, program.n_rows + program.n_columns])
+        self._highs.changeRowsBounds(
+            program.n_rows,
+            np.arange(program.n_rows, dtype=np.int32),
+            np.where(rows, program.row_lower, -np.inf),
+            np.where(rows, program.row_upper, np.inf),
+        )
+        self._highs.changeColsBounds(
+            program.n_columns,
+            np.arange(program.n_columns, dtype=np.int32),
+            np.where(lower, program.lower, -np.inf),
+            np.where(upper, program.upper, np.inf),
+        )
+
+    def _set_time_limit(self, option: str) -> None:
+        self._highs.setOptionValue(option, max(self.deadline - time.perf_counter(), 0.0))
+
+
+def _filtered(system: _System, conflict: Bools) -> tuple[Bools, bool]:
+    """An infeasible part of `conflict`, and whether it is proven that it has no smaller one."""
+    members = np.flatnonzero(conflict)
+    n_rows = system.program.n_rows
+    borders = np.array([block.start for block in system.program.rows] + [n_rows], dtype=int)
+    # Rows come first: as long as all bounds are there, integer programs are easy.
+    chunks = [members[members >= n_rows], members[members < n_rows]]
+    irreducible = True
+    while chunks:
+        chunk = chunks.pop()
+        if system.time_is_up:
+            return conflict, False
+        rest = conflict.copy()
+        rest[chunk] = False
+        verdict = system.is_infeasible(rest, nodes=NODES)
+        if verdict:
+            conflict = rest
+        elif len(chunk) > 1:
+            middle = _middle(chunk, borders)
+            chunks += [chunk[middle:], chunk[:middle]]
+        elif verdict is None:
+            irreducible = False
+    return conflict, irreducible
+
+
+def _middle(chunk: Ints, borders: Ints) -> int:
+    """Where to cut `chunk`: at the border nearest to its middle, or there if it has none."""
+    cuts = np.searchsorted(chunk, borders)
+    cuts = cuts[(cuts > 0) & (cuts < len(chunk))]
+    half = len(chunk) // 2
+    return int(cuts[np.abs(cuts - half).argmin()]) if len(cuts) else half
+
+
+def _shortened(members: list[str], most: int = 4) -> Iterator[str]:
+    """The members, of runs that differ in their numbers alone only the first two and a count."""
+    for _, run in groupby(members, key=lambda member: re.sub(r"\d+", "#", member)):
+        alike = list(run)
+        yield from alike if len(alike) <= most else alike[:2]
+        if len(alike) > most:
+            yield f"… and {len(alike) - 2} more like these"
+
+
+def _explanation(
+    program: Program,
+    name: str,
+    method: str,
+    conflict: Bools,
+    irreducible: bool,
+    *,
+    integrality: bool,
+) -> Explanation:
+    rows, lower, upper = np.split(conflict, [program.n_rows, program.n_rows + program.n_columns])
+    labels = [block.name for block in program.rows if rows[block.start : block.stop].any()]
+    return Explanation(
+        formulation=name,
+        status="infeasible",
+        method=method,
+        rows=tuple(program.row_name(int(i)) for i in np.flatnonzero(rows)),
+        bounds=tuple(
+            _bound(program, int(j), bool(lower[j]), bool(upper[j]))
+            for j in np.flatnonzero(lower | upper)
+        ),
+        labels=tuple(dict.fromkeys(labels)),
+        integrality=integrality,
+        irreducible=irreducible,
+    )
+
+
+def _bound(program: Program, column: int, lower: bool, upper: bool) -> str:
+    """The sides of a variable's bounds that conflict: ``x[0,2] ≤ 0``."""
+    name, least, most = program.column_name(column), program.lower[column], program.upper[column]
+    if lower and upper:
+        return f"{name} = {least:g}" if least == most else f"{least:g} ≤ {name} ≤ {most:g}"
+    return f"{name} ≥ {least:g}" if lower else f"{name} ≤ {most:g}"

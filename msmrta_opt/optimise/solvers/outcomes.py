@@ -1,0 +1,94 @@
+"""What adapters of solvers share when they report.
+
+All give their solver a minimisation of ``sign * cost`` without offset, since bounds of maximisations
+have another sign from one interface to the next, and answer in the program's own sense.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ..formulation import Floats
+from ..program import Program
+from .base import Options, Outcome
+
+INFINITE = 1e20
+"""From here on, solvers mean infinity."""
+PROVEN = 1e-6
+"""Relative difference up to which a bound proves a value, as solvers' own tolerances have it."""
+
+
+def own_bound(program: Program, least: float) -> float | None:
+    """The bound `least` on ``sign * cost @ x`` as one on the program's own objective."""
+    if not np.isfinite(least) or abs(least) >= INFINITE:
+        return None
+    return program.sign * float(least) + program.offset
+
+
+def incumbent(
+    program: Program,
+    x: Floats,
+    bound: float | None,
+    *,
+    nodes: int | None = None,
+    proof: str = "branch and bound",
+    message: str = "",
+) -> Outcome:
+    """The outcome with the point `x`: optimal if `bound` (in the program's own sense) proves it.
+
+    A solver that stops at a gap calls that optimal; here it is what it is, a feasible point.
+    """
+    value = program.value(x)
+    proven = bound is not None and abs(value - bound) <= PROVEN * max(1.0, abs(value))
+    return Outcome(
+        "optimal" if proven else "feasible", x, bound, nodes, proof=proof, message=message
+    )
+
+
+def gap_of_larger(gap: float) -> float:
+    """The gap to ask of a solver that divides by the larger of objective and bound.
+
+    Ours is relative to the objective z alone. With ``d = |z - b|`` and ``|b| ≤ |z| + d``,
+    ``d ≤ g/(1+g) max(|z|, |b|)`` gives ``d ≤ g |z|``.
+    """
+    return gap / (1.0 + gap)
+
+
+def time_left(options: Options, began: float) -> Options:
+    """`options` with what is left of the time limit since `began`, by `time.perf_counter`."""
+    if options.time_limit is None:
+        return options
+    left = options.time_limit - (time.perf_counter() - began)
+    return replace(options, time_limit=max(left, 0.0))
+
+
+def unbounded_or_infeasible(
+    run: Callable[[Program, Options], Outcome], program: Program, options: Options, began: float
+) -> Outcome:
+    """Tell apart what a solver or an unbounded relaxation leaves open.
+
+    Parameters
+    ----------
+    run : callable
+        The solver's adapter.
+    program : Program
+        Known to be unbounded or infeasible, or to have an unbounded relaxation. With rational data an
+        integer program with an unbounded relaxation and any point is unbounded too.
+    options : Options
+        As asked for.
+    began : float
+        `time.perf_counter` when the first attempt began: both share the time limit.
+    """
+    costless = replace(program, cost=np.zeros(program.n_columns))
+    answer = run(costless, replace(time_left(options, began), start=None))
+    if answer.status in ("optimal", "feasible"):
+        return Outcome("unbounded", answer.x, nodes=answer.nodes, message="unbounded")
+    if answer.status == "infeasible":
+        return answer
+    return Outcome(
+        "no_solution", message="unbounded or infeasible, and stopped before it was known"
+    )

@@ -1,0 +1,102 @@
+"""The data of any stage's formulations for an instance: Algorithm 1, as far as that stage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mission.errors import InputError
+from ..mission.instance import Instance
+from .cluster_assignment import ClusterAssignment, cluster_assignment, cluster_data
+from .clustering import Clustering, clustering, clustering_data
+from .joint_assignment import joint_assignment_data
+from .options import StagedOptions
+from .performance_analysis import performance_analysis
+from .requirement_analysis import RequirementAnalysis, requirement_analysis
+from .scouting import scout_mission
+from .situation import Situation, without
+
+
+def stage_data(instance: Instance, stage: str, options: StagedOptions | None = None) -> Any:
+    """What a formulation of `stage` takes, worked out as the staged planner does.
+
+    Parameters
+    ----------
+    instance : Instance
+        The mission; if it has scouts, only the victims that they find are known.
+    stage : str
+        One of `STAGES`.
+    options : StagedOptions, optional
+        Of the stages before, and of the data itself; the defaults are the planner's.
+
+    Returns
+    -------
+    ClusteringData, ClusterData, VictimData or JointAssignmentData
+        As the formulations of `stage` expect.
+
+    Raises
+    ------
+    InputError
+        If there is no such stage, or the mission has no known victims, so nothing to decide.
+    CheckError
+        If a stage before has no solution that passes its check.
+    """
+    if stage not in STAGES:
+        raise InputError(f"no stage {stage!r}; there are {', '.join(STAGES)}", field="stage")
+    so_far = SoFar(instance, options or StagedOptions())
+    if not so_far.situation.instance.n_victims:
+        raise InputError(
+            f"instance {instance.name!r} has no known victims; give at least one", field="victims"
+        )
+    return STAGES[stage](so_far)
+
+
+class SoFar:
+    """Algorithm 1 on an instance, each line worked out when first asked for."""
+
+    def __init__(self, instance: Instance, options: StagedOptions) -> None:
+        self.instance = instance
+        self.options = options
+
+    @cached_property
+    def situation(self) -> Situation:
+        """The victims that are known after scouting."""
+        known, _ = scout_mission(self.instance, self.options)
+        return Situation.of(known)
+
+    @cached_property
+    def analysis(self) -> RequirementAnalysis:
+        """Who can satisfy whom."""
+        known = self.situation.instance
+        return requirement_analysis(known.P, known.Q)
+
+    @cached_property
+    def clusters(self) -> Clustering:
+        """The victims in groups."""
+        return clustering(self.situation, self.options)
+
+    @cached_property
+    def b2(self) -> ClusterAssignment:
+        """The solution of Eq. 1."""
+        return cluster_assignment(self.situation, self.analysis, self.clusters, self.options)
+
+    @cached_property
+    def remaining(self) -> NDArray[np.bool_]:
+        """Available requirements that B2 leaves open, shape ``(n_victims, n_kinds)``."""
+        return without(self.situation.available, self.b2.stops)
+
+
+STAGES: Mapping[str, Callable[[SoFar], Any]] = MappingProxyType(
+    {
+        "clustering": lambda m: clustering_data(m.situation),
+        "cluster": lambda m: cluster_data(m.situation, m.analysis, m.clusters, m.options),
+        "victim": lambda m: performance_analysis(m.situation, m.b2.stops, m.remaining, m.options),
+        "joint": lambda m: joint_assignment_data(m.situation, m.analysis, m.clusters, m.options),
+    }
+)
+"""By stage, how its data follows from the lines of Algorithm 1 before it."""

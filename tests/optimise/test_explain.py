@@ -1,0 +1,372 @@
+"""Why programs are infeasible: sets of constraints that conflict, none of which can be spared."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any
+
+import cvxpy as cp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.sparse import csr_array
+from support.programs import INF, formulation, problem, program
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.optimise import explain as module
+from msmrta_opt.optimise.explain import Explanation, explain, explain_program
+from msmrta_opt.optimise.formulation import ClusterData, Parameter
+from msmrta_opt.optimise.program import Block, Program
+
+FAR = 6000.0
+"""A box that holds a point if there is one, for `programs`.
+
+Whatever of such a program is feasible has an integer point no farther from 0 than (n + 1) Δ, with Δ
+the largest subdeterminant of its inequalities with their right-hand sides (Schrijver, *Theory of
+Linear and Integer Programming*, 1986, theorem 17.1). With n = 3 and entries up to 3, Hadamard's
+inequality gives Δ ≤ (3 · 2)⁴ = 1296.
+"""
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some rows and some sides of bounds of a program, as an explanation names them."""
+
+    rows: frozenset[int]
+    lower: frozenset[int]
+    upper: frozenset[int]
+
+    @classmethod
+    def named_by(cls, found: Explanation) -> Part:
+        """Read from names such as ``row 2``, ``x[1] ≤ 3``, ``0 ≤ x[1] ≤ 3`` and ``x[1] = 3``."""
+        lower, upper = set(), set()
+        for text in found.bounds:
+            match = re.fullmatch(r"(\S+ ≤ )?x\[(\d+)\]( [≤≥=] \S+)?", text)
+            assert match, text
+            least, column, other = match[1], int(match[2]), match[3] or ""
+            if least or "≥" in other or "=" in other:
+                lower.add(column)
+            if "≤" in other or "=" in other:
+                upper.add(column)
+        rows = frozenset(int(text.removeprefix("row ")) for text in found.rows)
+        return cls(rows, frozenset(lower), frozenset(upper))
+
+    def without_one(self) -> list[Part]:
+        """Every part that is this one without one member."""
+        return [
+            *(replace(self, rows=self.rows - {i}) for i in self.rows),
+            *(replace(self, lower=self.lower - {j}) for j in self.lower),
+            *(replace(self, upper=self.upper - {j}) for j in self.upper),
+        ]
+
+    def has_a_point(self, program: Program, *, whole: bool) -> bool:
+        """Whether some point, integer where the program asks for it, satisfies this part."""
+        lower, upper = np.full((2, program.n_columns), FAR)
+        lower = -lower
+        for j in self.lower:
+            lower[j] = program.lower[j]
+        for j in self.upper:
+            upper[j] = program.upper[j]
+        if (lower > upper).any():
+            return False
+        rows = sorted(self.rows)
+        answer = milp(
+            np.zeros(program.n_columns),
+            constraints=LinearConstraint(
+                program.matrix.toarray()[rows], program.row_lower[rows], program.row_upper[rows]
+            )
+            if rows
+            else None,
+            bounds=Bounds(lower, upper),
+            integrality=program.integer.astype(int) * whole,
+        )
+        assert answer.status in (0, 2), answer.message
+        return bool(answer.status == 0)
+
+
+def everything(program: Program) -> Part:
+    columns = range(program.n_columns)
+    return Part(
+        frozenset(range(program.n_rows)),
+        frozenset(j for j in columns if program.lower[j] > -INF),
+        frozenset(j for j in columns if program.upper[j] < INF),
+    )
+
+
+@st.composite
+def programs(draw: st.DrawFn, *, integer: bool) -> Program:
+    """Up to three variables and five rows, entries up to 3; most of them infeasible."""
+    n_columns, n_rows = draw(st.integers(1, 3)), draw(st.integers(1, 2 if integer else 5))
+
+    def vector(size: int, values: st.SearchStrategy[Any]) -> NDArray[Any]:
+        return np.array(draw(st.lists(values, min_size=size, max_size=size)))
+
+    # Even entries and odd right-hand sides, within wide bounds, conflict only in whole numbers.
+    entries = st.sampled_from([2, -2, 2, -2, 0, 1, 3]) if integer else st.integers(-3, 3)
+    right = vector(n_rows, st.sampled_from([1, -1, 3, 0]) if integer else st.integers(-3, 3))
+    low = vector(n_columns, st.integers(-2, 0 if integer else 1))
+    wide = vector(n_columns, st.integers(1, 3) if integer else st.integers(0, 2))
+    sides = vector(n_rows, st.sampled_from(["=", "=", "<", ">"]))
+    open_ = vector(n_columns, st.sampled_from(["", "", "low", "high"]))
+    return Program(
+        sense="min",
+        cost=np.ones(n_columns),
+        offset=0.0,
+        matrix=csr_array(
+            vector(n_rows * n_columns, entries).reshape(n_rows, n_columns).astype(float)
+        ),
+        row_lower=np.where(sides == "<", -INF, right).astype(float),
+        row_upper=np.where(sides == ">", INF, right).astype(float),
+        lower=np.where(open_ == "low", -INF, low).astype(float),
+        upper=np.where(open_ == "high", INF, low + wide).astype(float),
+        integer=np.full(n_columns, integer),
+        columns=(Block("x", 0, (n_columns,)),),
+        rows=(Block("row {i}", 0, (n_rows,)),),
+    )
+
+
+def assert_explained(program: Program, found: Explanation, *, irreducible: bool = True) -> None:
+    """What is found conflicts, by another program's word, and so does no part of it."""
+    assert found.status == "infeasible"
+    part = Part.named_by(found)
+    assert not part.has_a_point(program, whole=found.integrality)
+    assert found.irreducible or not irreducible
+    if irreducible:
+        for less in part.without_one():
+            assert less.has_a_point(program, whole=found.integrality), (found, less)
+
+
+@settings(max_examples=150)
+@given(trial=programs(integer=False))
+def test_of_linear_programs_the_set_conflicts_and_no_member_can_be_spared(trial: Program) -> None:
+    feasible = everything(trial).has_a_point(trial, whole=False)
+    found = explain_program(trial)
+    assert (found.status == "feasible") == feasible
+    if not feasible:
+        assert not found.integrality
+        assert_explained(trial, found)
+
+
+@settings(max_examples=250)
+@given(trial=programs(integer=True))
+def test_of_integer_programs_the_set_conflicts_and_no_member_can_be_spared(trial: Program) -> None:
+    feasible = everything(trial).has_a_point(trial, whole=True)
+    found = explain_program(trial)
+    assert (found.status == "feasible") == feasible
+    if not feasible:
+        in_fractions = everything(trial).has_a_point(trial, whole=False)
+        assert found.integrality == in_fractions
+        assert_explained(trial, found, irreducible=found.irreducible)
+
+
+def test_two_rows_that_conflict_are_found_among_many() -> None:
+    # Rows 0 to 8 each say x_i + x_(i+1) ≤ 1, row 9 that x_3 + x_4 ≥ 2.
+    rows = [[float(j in (i, i + 1)) for j in range(10)] for i in range(9)]
+    rows.append([float(j in (3, 4)) for j in range(10)])
+    trial = program(rows, [1] * 9 + [INF], 1, row_lower=[-INF] * 9 + [2])
+    found = explain_program(trial)
+    assert found.rows == ("row 3", "row 9")
+    assert found.bounds == ()
+    assert found.labels == ("row {i}",)
+    assert not found.integrality
+    assert_explained(trial, found)
+
+
+def test_a_bound_against_a_row_is_named_with_its_side() -> None:
+    found = explain_program(program([[1, 1, 0]], INF, 1, row_lower=[2], upper=[1, 0, 1]))
+    assert found.rows == ("row 0",)
+    assert found.bounds == ("x[0] ≤ 1", "x[1] ≤ 0")
+
+
+def test_a_fixed_variable_is_named_once() -> None:
+    # x0 = 1 fixed against both x0 + x1 ≤ 1.5 with x1 ≥ 1, and nothing else.
+    trial = program([[1, 1]], [1.5], 1, lower=[1, 1], upper=[1, INF], integer=False)
+    assert explain_program(trial).bounds == ("x[0] ≥ 1", "x[1] ≥ 1")
+    # 1 ≤ x0 - x1 ≤ 1 with x1 free but x0 + x1 = 0 leaves x0 = ½, and x0 = 0 is at odds.
+    trial = program([[1, -1], [1, 1]], [1, 0], 1, row_lower=[1, 0], lower=[0, -INF], upper=[0, INF])
+    assert explain_program(trial.relaxed()).bounds == ("x[0] ≤ 0",)
+
+
+def test_bounds_that_cross_explain_themselves() -> None:
+    found = explain_program(program([[1, 1]], 1, 1, lower=[2, 0], upper=[1, 1], integer=False))
+    assert found.rows == ()
+    assert found.bounds == ("2 ≤ x[0] ≤ 1",)
+
+
+def test_bounds_without_a_whole_number_between_them_explain_themselves() -> None:
+    found = explain_program(program([[1, 1]], 2, 1, lower=[0.3, 0], upper=[0.7, 1]))
+    assert found.rows == ()
+    assert found.bounds == ("0.3 ≤ x[0] ≤ 0.7",)
+    assert found.integrality
+
+
+def test_a_row_that_says_nothing_true_explains_itself() -> None:
+    found = explain_program(program([[0, 0], [1, 1]], [INF, 1], 1, row_lower=[1, -INF]))
+    assert found.rows == ("row 0",)
+    assert found.bounds == ()
+
+
+def test_half_a_unit_is_a_conflict_in_whole_numbers() -> None:
+    found = explain_program(program([[2, 0], [1, 1]], [1, 1], 1, row_lower=[1, 0]))
+    assert found.rows == ("row 0",)
+    assert found.bounds == ()
+    assert found.integrality
+    assert found.irreducible
+
+
+def test_an_odd_cycle_is_a_conflict_in_whole_numbers() -> None:
+    # Of 0-1, 1-2, 2-0 each exactly one end: possible with halves only. 2-3 is no part of it.
+    x = cp.Variable(4, boolean=True, name="x")
+    ends = [(0, 1), (1, 2), (2, 0), (2, 3)]
+    edges = [(x[i] + x[j] == 1).set_label(f"one of {i} and {j}") for i, j in ends]
+    found = explain(problem(cp.Minimize(cp.sum(x)), edges), None)
+    assert found.rows == found.labels == ("one of 0 and 1", "one of 1 and 2", "one of 2 and 0")
+    assert found.bounds == ()
+    assert found.integrality
+    assert found.irreducible
+
+
+def test_a_label_that_is_not_needed_is_left_out_of_a_conflict_in_whole_numbers() -> None:
+    # Three triangles; only of the second each edge has exactly one end, which is impossible.
+    x = cp.Variable((3, 3), boolean=True, name="x")
+    constraints = [
+        (cp.sum(x, axis=1) <= 2).set_label("triangle {t} has at most two"),
+        (x + cp.hstack([x[:, 1:], x[:, :1]]) >= 0).set_label("edge {t},{e} has any"),
+        (x[1] + cp.hstack([x[1, 1:], x[1, :1]]) == 1).set_label("edge {e} of 1 has one"),
+    ]
+    found = explain(problem(cp.Minimize(cp.sum(x)), constraints), None)
+    assert found.rows == tuple(f"edge {e} of 1 has one" for e in range(3))
+    assert found.labels == ("edge {e} of 1 has one",)
+
+
+def test_two_robots_cannot_take_three_victims_one_to_one() -> None:
+    x = cp.Variable((2, 3), boolean=True, name="x")
+    constraints = [
+        (cp.sum(x, axis=0) == 1).set_label("victim {v} has one robot"),
+        (cp.sum(x, axis=1) <= 1).set_label("robot {r} has at most one victim"),
+    ]
+    found = explain(problem(cp.Minimize(cp.sum(x)), constraints), None)
+    assert found.rows == (
+        "victim 0 has one robot",
+        "victim 1 has one robot",
+        "victim 2 has one robot",
+        "robot 0 has at most one victim",
+        "robot 1 has at most one victim",
+    )
+    assert found.labels == ("victim {v} has one robot", "robot {r} has at most one victim")
+    assert found.bounds == ()
+    assert not found.integrality
+
+
+def test_a_parameter_decides_whether_there_is_a_conflict() -> None:
+    def build(data: object) -> cp.Problem:
+        need = cp.Parameter(nonneg=True, name="need")
+        x = cp.Variable(2, boolean=True, name="x")
+        return cp.Problem(cp.Minimize(cp.sum(x)), [(cp.sum(x) >= need).set_label("enough")])
+
+    trial = formulation(build, need=Parameter(0, 9, 1, "how many"))
+    assert explain(trial, None).status == "feasible"
+    found = explain(trial, None, need=3)
+    assert found.rows == ("enough",)
+    assert found.bounds == ("x[0] ≤ 1", "x[1] ≤ 1")
+
+
+def test_a_feasible_formulation_is_said_to_be_so() -> None:
+    ones = np.ones((2, 2))
+    found = explain("cluster_one_to_one", ClusterData(ones, ones, np.array([1, 1])))
+    assert found.status == "feasible"
+    assert found.rows == found.bounds == found.labels == ()
+    assert found.text == "cluster_one_to_one is feasible."
+
+
+def test_an_unbounded_program_is_feasible() -> None:
+    trial = program([[1, -1]], INF, 1, row_lower=[0], upper=INF, sense="max")
+    assert explain_program(trial).status == "feasible"
+    assert explain_program(trial.relaxed()).status == "feasible"
+
+
+def test_the_text_names_every_kind_of_member_and_counts_many_of_a_kind() -> None:
+    found = explain_program(program([[1] * 9], INF, 1, row_lower=[10]), name="trial")
+    assert found.text.splitlines() == [
+        "trial is infeasible. These cannot hold together; "
+        "without any one of them, fractional values satisfy the others:",
+        "  row 0",
+        "  x[0] ≤ 1",
+        "  x[1] ≤ 1",
+        "  … and 7 more like these",
+        "Found by: elastic program of HiGHS, then deletion filter with linear programs.",
+    ]
+    halves = explain_program(program([[2]], 1, 1, row_lower=[1]), name="trial").text.splitlines()
+    assert halves == [
+        "trial is infeasible. These cannot hold together in whole numbers; "
+        "without any one of them, whole numbers satisfy the others:",
+        "  row 0",
+        "Found by: deletion filter with integer programs.",
+    ]
+
+
+@pytest.mark.parametrize("integer", [False, True])
+def test_whenever_the_time_is_up_what_is_left_conflicts(
+    integer: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # An odd cycle and two rows beside it; in fractions x0 + x2 = 1.5 against 0.6 and 0.8.
+    rows = [[1, 1, 0, 0], [0, 1, 1, 0], [1, 0, 1, 0], [0, 0, 1, 1], [1, 1, 1, 1]]
+    least = np.array([1, 1, 1 if integer else 1.5, 0, 0])
+    trial = program(rows, [*least[:3], 2, 4], 1, row_lower=least)
+    if not integer:
+        trial = replace(trial, upper=np.array([0.6, 1, 0.8, 1])).relaxed()
+    outcomes = set()
+    for time_limit in range(60):
+        # Each look at the clock takes a second, so that time runs out at every step in turn.
+        clock = itertools.count()
+        ticking = SimpleNamespace(perf_counter=lambda clock=clock: float(next(clock)))
+        monkeypatch.setattr(module, "time", ticking)
+        found = explain_program(trial, time_limit=time_limit)
+        outcomes.add((found.status, found.irreducible))
+        if found.status == "infeasible":
+            assert_explained(trial, found, irreducible=found.irreducible)
+            assert ("not known whether all of them are" in found.text) != found.irreducible
+        else:
+            assert found.text.endswith("stopped before it was known to be infeasible.")
+    assert outcomes == {("unknown", False), ("infeasible", False), ("infeasible", True)}
+
+
+def test_without_time_nothing_is_claimed() -> None:
+    found = explain_program(program([[2]], 1, 1, row_lower=[1]), time_limit=0.0)
+    assert found.status == "unknown"
+    assert not found.irreducible
+
+
+def test_a_negative_time_limit_is_refused() -> None:
+    with pytest.raises(InputError, match="time_limit: -1"):
+        explain_program(program([[1]], 1, 1), time_limit=-1)
+
+
+def test_a_bound_that_cannot_be_decided_stays_and_is_admitted() -> None:
+    # 4 z - 6 y is even, so never 1, whatever the bounds; but without them branching need not end.
+    found = explain_program(program([[-6, 4]], 1, 1, row_lower=1, upper=3))
+    assert found.status == "infeasible"
+    assert found.rows == ("row 0",)
+    assert found.irreducible == (found.bounds == ())
+
+
+def test_a_conflict_of_highs_that_is_none_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    trial = program([[1, 1], [1, 0]], INF, 1, row_lower=[3, 0])
+    monkeypatch.setattr(
+        module._System, "conflict_by_highs", lambda system: np.zeros_like(system.everything)
+    )
+    found = explain_program(trial)
+    assert found.rows == ("row 0",)
+    assert found.bounds == ("x[0] ≤ 1", "x[1] ≤ 1")
+    assert found.method == "deletion filter with linear programs"
+
+
+def test_the_same_program_is_always_explained_the_same() -> None:
+    trial = program(np.ones((6, 4)), INF, 1, row_lower=[5, 5, 5, 6, 6, 6])
+    assert len({explain_program(trial) for _ in range(3)}) == 1
