@@ -19,7 +19,7 @@ def read_text(path: str | Path) -> str:
         If there is no such file, or it cannot be read as text.
     """
     try:
-        return Path(path).read_text(encoding="utf-8")
+        return Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError("no such file", file=path) from None
     except UnicodeDecodeError as error:

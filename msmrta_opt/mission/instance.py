@@ -158,7 +158,7 @@ class Instance(_Record):
             _known_kind(at("service_time", kind), kind, kinds)
         for kind in kinds:
             if kind not in self.service_time:
-                raise InputError(f"no time for kind {kind!r}", field="service_time")
+                raise InputError(f"no time for kind {kind!r}; give one for each", field="service_time")
         for group, members in (
             ("robots", self.robots),
             ("victims", self.victims),
@@ -190,7 +190,7 @@ class Instance(_Record):
         return all(getattr(self, n) == getattr(other, n) for n in type(self).model_fields)
 
     def __hash__(self) -> int:
-        return hash((self.name, self.map, self.robots, self.victims))
+        return hash((self.name, self.map, self.robots, self.n_victims))
 
     def _check_cell(self, field: str, cell: Cell) -> None:
         n_rows, n_cols = self.map.shape

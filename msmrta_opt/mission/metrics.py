@@ -70,7 +70,7 @@ def metrics(plan: Plan) -> Metrics:
     beyond_reach = [item for item in plan.unserved if "endurance" not in item.reason]
     n_available = n_requirements - len(beyond_reach)
     weight = {v.id: v.priority for v in instance.victims if v.id in completion}
-    latency = sum(weight[v] * completion[v] for v in completion)
+    latency = float(sum(weight[v] * completion[v] for v in completion))
     total_weight = sum(weight.values())
     distance_of = {route.robot: route.distance for route in plan.routes}
     return Metrics(
