@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cvxpy as cp
@@ -18,6 +18,7 @@ from cvxpy.error import DCPError, DPPError, ParameterError, SolverError
 from ..mission.errors import InputError, ModelError
 from .program import Block, Program
 from .registry import Formulation
+from .structure import Structure, recognise
 
 AUXILIARY = "auxiliary"
 """Name of columns and rows that cvxpy adds, for instance for a maximum in the objective."""
@@ -36,6 +37,17 @@ class Compiled:
     _rows: tuple[Block, ...]
     _n_equations: int
     _integer: Any
+    _last: Program | None = None
+    _structure: Structure | None = None
+    _asked: bool = False
+
+    def structure(self, program: Program) -> Structure | None:
+        """What the matrix of `program`, from this object, proves; asked once while it stays."""
+        if self._last is None or program.matrix is not self._last.matrix:
+            return recognise(program)
+        if not self._asked:
+            self._structure, self._asked = recognise(program), True
+        return self._structure
 
     def program(self, **parameters: float) -> Program:
         """The arrays at the given parameter values, defaults for the others.
@@ -69,7 +81,7 @@ class Compiled:
             raise ModelError(
                 f"{self.formulation.name}: costs, constants or coefficients are not finite"
             )
-        return Program(
+        program = Program(
             sense="max" if maximise else "min",
             cost=sign * np.asarray(cost, float).ravel(),
             offset=sign * float(offset),
@@ -82,6 +94,10 @@ class Compiled:
             columns=self._columns,
             rows=self._rows,
         )
+        if self._last is not None and program.differs_in_cost_alone(self._last):
+            return replace(self._last, cost=program.cost, offset=program.offset)
+        self._last, self._asked = program, False
+        return program
 
 
 def parameter_values(formulation: Formulation, parameters: dict[str, float]) -> dict[str, float]:

@@ -118,7 +118,7 @@ class Family:
         if parameter not in compiled.formulation.spec.parameters:
             raise ModelError(f"{name} has no parameter {parameter!r}")
         ends = [compiled.program(**{parameter: t}, **others) for t in (0.0, 1.0, 0.5)]
-        if not all(_same_rows(ends[0], other) for other in ends[1:]):
+        if not all(ends[0].differs_in_cost_alone(other) for other in ends[1:]):
             raise ModelError(
                 f"{name}: {parameter} enters the rows, so the value is not its envelope"
             )
@@ -234,16 +234,6 @@ def _crossing(a: Line, b: Line) -> Fraction | None:
     if a.slope == b.slope:
         return None
     return (b.at_zero - a.at_zero) / (a.slope - b.slope)
-
-
-def _same_rows(a: Program, b: Program) -> bool:
-    pairs = (
-        (a.row_lower, b.row_lower),
-        (a.row_upper, b.row_upper),
-        (a.lower, b.lower),
-        (a.upper, b.upper),
-    )
-    return all(np.array_equal(x, y) for x, y in pairs) and (a.matrix != b.matrix).nnz == 0
 
 
 def _whole_numbers(values: Floats) -> tuple[NDArray[np.int64], int] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
@@ -28,7 +29,7 @@ class Block:
     @property
     def size(self) -> int:
         """Number of columns or rows."""
-        return int(np.prod(self.shape, dtype=int))
+        return math.prod(self.shape)
 
     @property
     def stop(self) -> int:
@@ -106,6 +107,17 @@ class Program:
         if np.array_equal(lower, self.lower) and np.array_equal(upper, self.upper):
             return self
         return replace(self, lower=lower, upper=upper)
+
+    def differs_in_cost_alone(self, other: Program) -> bool:
+        """Whether `other` has the same rows, bounds and integrality."""
+        mine = (self.row_lower, self.row_upper, self.lower, self.upper, self.integer)
+        theirs = (other.row_lower, other.row_upper, other.lower, other.upper, other.integer)
+        arrays = zip(
+            (*mine, self.matrix.indptr, self.matrix.indices, self.matrix.data),
+            (*theirs, other.matrix.indptr, other.matrix.indices, other.matrix.data),
+            strict=True,
+        )
+        return all(np.array_equal(a, b) for a, b in arrays)
 
     def relaxed(self) -> Program:
         """The same program without integrality."""

@@ -121,11 +121,12 @@ def get(name: str, *, stage: str | None = None) -> Formulation:
     ModelError
         If its file does not import.
     """
-    found = {path.stem: path for path, objection in _files() if not objection}
-    if name not in found:
+    places = [folder / f"{name}.py" for folder in folders()]
+    path = next((place for place in places if place.is_file()), None)
+    if path is None or name.startswith("_"):
         usable = (item.name for item in listings(stage) if item.formulation)
         raise InputError(f"no formulation {name!r}; there are {', '.join(usable)}", field="model")
-    listing = _load(found[name])
+    listing = _load(path)
     if listing.formulation is None:
         raise ModelError(f"{listing.path}: {listing.error}")
     if stage is not None and listing.formulation.spec.stage != stage:

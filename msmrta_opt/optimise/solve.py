@@ -26,7 +26,7 @@ from .program import Program
 from .registry import Formulation
 from .solution import Solution
 from .solvers import Options, Outcome, get
-from .structure import integral_relaxation, recognise
+from .structure import Structure, integral_relaxation, recognise
 
 AUTO = "auto"
 TIGHT = 1e-9
@@ -114,7 +114,13 @@ def solve(
     if start is not None:
         options = replace(options, start=_start(program, start))
     return replace(
-        solve_program(program, solver=solver, structure=structure, options=options),
+        solve_program(
+            program,
+            solver=solver,
+            structure=structure,
+            options=options,
+            recognised=lambda: compiled.structure(program),
+        ),
         formulation=compiled.formulation.name,
         parameters=parameter_values(compiled.formulation, parameters),
         canonicalise_seconds=canonicalised,
@@ -127,8 +133,12 @@ def solve_program(
     solver: str = AUTO,
     structure: bool = True,
     options: Options | None = None,
+    recognised: Callable[[], Structure | None] | None = None,
 ) -> Solution:
-    """Solve arrays, from wherever they come; see `solve`."""
+    """Solve arrays, from wherever they come; see `solve`.
+
+    `recognised` tells the structure of the arrays, if the caller knows it already.
+    """
     options = options or Options()
     began = time.perf_counter()
     program = program.with_whole_bounds()
@@ -138,7 +148,7 @@ def solve_program(
         get(name)
         outcome = Outcome("infeasible", message=contradiction)
     elif solver == AUTO and structure:
-        name, outcome = _by_structure(program, options)
+        name, outcome = _by_structure(program, options, recognised or (lambda: recognise(program)))
     else:
         outcome = get(name).solve(program, options)
     seconds = time.perf_counter() - began
@@ -185,13 +195,15 @@ def _cross(lower: Floats, upper: Floats) -> Bools:
     return np.asarray(lower > upper + TOLERANCE * (1.0 + np.abs(upper)))
 
 
-def _by_structure(program: Program, options: Options) -> tuple[str, Outcome]:
+def _by_structure(
+    program: Program, options: Options, recognised: Callable[[], Structure | None]
+) -> tuple[str, Outcome]:
     """The name of the solver that answered, and what it said."""
     highs = get("highs")
     if not program.integer.any():
         return highs.name, highs.solve(program, replace(options, start=None))
     began = time.perf_counter()
-    structure = recognise(program)
+    structure = recognised()
     if structure is not None:
         relaxed = integral_relaxation(program, structure)
         answer = solve_assignment(program, structure)
