@@ -51,6 +51,8 @@ class Block:
 
 def element_name(blocks: tuple[Block, ...], position: int) -> str:
     """The readable name of a column or row among `blocks`."""
+    if not blocks:
+        return f"[{position}]"
     for block in blocks:
         if block.start <= position < block.stop:
             return block.element(position)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -288,18 +289,21 @@ def captions_of(cells: Mapping[int, Cell]) -> dict[Cell, str]:
 def lanes(count: int, scale: Scale) -> NDArray[np.float64]:
     """Sideways shifts, in cells, that keep `count` walks over the same cells apart."""
     step = min(0.6 / max(count - 1, 1), 2.2 * scale.line / scale.cell)
-    shifts: NDArray[np.float64] = (np.arange(count) - (count - 1) / 2) * step
-    return shifts
+    return np.asarray((np.arange(count) - (count - 1) / 2) * step, dtype=np.float64)
 
 
 def draw_walk(
-    ax: Axes, cells: Sequence[Cell], shift: float, colour: str, line: object, width: float
+    ax: Axes, cells: Sequence[Cell], shift: float, colour: str, line: Any, width: float
 ) -> None:
     """Draw a walk over `cells`, shifted down and right by `shift` cells."""
     if len(cells) < 2:
         return
     rows, cols = np.array(cells, dtype=float).T + shift
-    ends = {"solid_joinstyle": "round", "solid_capstyle": "round", "dash_capstyle": "butt"}
+    ends: dict[str, Any] = {
+        "solid_joinstyle": "round",
+        "solid_capstyle": "round",
+        "dash_capstyle": "butt",
+    }
     ax.plot(cols, rows, color=INK, lw=width + CASING, ls=line, zorder=3, **ends)
     ax.plot(cols, rows, color=colour, lw=width, ls=line, zorder=3.1, **ends)
 
@@ -394,7 +398,7 @@ def robot_handles(
             [],
             [],
             color=style.colour,
-            linestyle=style.line,
+            linestyle=cast("Any", style.line),
             linewidth=2,
             marker="s",
             markersize=7,

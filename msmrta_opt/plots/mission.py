@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -14,7 +15,7 @@ from .paths import plot_paths
 from .scouting import plot_scouting
 from .style import robot_styles
 
-LEGENDS = 2.2
+LEGENDS = 2.7
 """Inches that the panels' titles, axes and legends take."""
 
 
@@ -43,11 +44,14 @@ def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
     )
     figure.suptitle(_title(plan), fontsize=12)
     if gantt:
-        top, bottom = figure.subfigures(2, 1, height_ratios=(upper, lower))
+        parts: Any = figure.subfigures(2, 1, height_ratios=(upper, lower))
+        top, bottom = parts
         plot_gantt(plan, bottom.subplots())
     else:
         top = figure.subfigures(1, 1)
     scouting, assignment, paths = top.subplots(1, 3)
+    for panel in (scouting, assignment, paths):
+        panel.set_anchor("N")  # what height is left over belongs to the legends below
     plot_scouting(plan, scouting, robot_key=False)
     plot_assignment(plan, assignment, robot_key=False)
     plot_paths(plan, paths, robot_key=False)

@@ -195,6 +195,39 @@ def test_an_unbounded_relaxation_without_integer_points_is_not_called_unbounded(
     assert solution.status in ("infeasible", "no_solution")
 
 
+ENDLESS = [
+    # At x = -3 the second row is y = 3z and the first z <= 0, so that the cost is z - 24.
+    program(
+        [[0, 4, -1], [3, -1, 3]],
+        [0, -9],
+        [8, 2, -5],
+        row_lower=[-INF, -9],
+        lower=[-3, -INF, -INF],
+        upper=INF,
+        integer=[True, False, False],
+    ),
+    # At z = -2 the row is x = 2y + 2, so that the cost is -11y - 8.
+    program(
+        [[-1, 2, 5]],
+        -12,
+        [-3, -5, 1],
+        row_lower=-12,
+        lower=[-1, 1, -3],
+        upper=[INF, INF, -2],
+        integer=[True, True, False],
+    ),
+]
+
+
+@able("integer", "lp")
+@pytest.mark.parametrize("asked", ENDLESS, ids=["two free columns", "two integers"])
+def test_a_mixed_program_that_improves_without_end_is_unbounded(
+    solver: Solver, asked: Program
+) -> None:
+    # Left to themselves, Gurobi calls a point of the first optimal, and SCIP never ends the second.
+    assert solve(solver, asked, time_limit=5.0).status == "unbounded"
+
+
 @st.composite
 def small_programs(draw: st.DrawFn) -> Program:
     """Up to 4 integer columns and 3 rows; whole numbers, tenths, thirds or any."""

@@ -25,6 +25,9 @@ AVERAGE_REMOVED = 8
 LONGEST_STRING = 8
 BLINK = 0.02
 """Probability of passing over a place when a requirement is put back."""
+DARING = 0.2
+"""Share of steps in which robots are not always chosen by price, and of robots priced lower there:
+prices are those of one requirement, and do not see that others would come cheap after it."""
 FIRST_TEMPERATURE, LAST_TEMPERATURE = 2e-2, 1e-4
 """Relative to the objective's share of one robot."""
 ITERATIONS = 20_000
@@ -82,7 +85,10 @@ def improve(
 
 
 class _Search:
-    """The state of one search. Routes hold victims; `who` the robot of each requirement."""
+    """The state of one search. Routes hold victims; `who` the robot of each requirement.
+
+    While a requirement is taken out, its robot is -1.
+    """
 
     def __init__(
         self, data: RoutingData, routes: Routes, objective: Objective, rng: random.Random
@@ -135,7 +141,7 @@ class _Search:
                 if seconds is not None:
                     progress = (time.perf_counter() - began) / max(seconds, 1e-9)
             if iterations is not None:
-                progress = max(progress, step / max(iterations, 1))
+                progress = max(progress, step / iterations if iterations > 0 else 1.0)
             if progress >= 1.0:
                 return
             fall = LAST_TEMPERATURE / FIRST_TEMPERATURE
@@ -189,6 +195,8 @@ class _Search:
                     removed += [g for g in self.needs[w] if self.who[g] == r]
                 del route[start : start + length]
                 ruined.add(r)
+        for g in removed:
+            self.who[g] = -1
         return removed
 
     def _recreate(self, removed: list[int]) -> bool:
@@ -201,78 +209,123 @@ class _Search:
             removed.sort(key=lambda g: len(self.able[g]))
         else:
             removed.sort(key=lambda g: -self.service[g])
-        busy = [self._busy(r, set(removed)) for r in range(len(self.routes))]
+        daring = rng.random() < DARING
+        busy = [self._busy(r) for r in range(len(self.routes))]
         for g in removed:
             best, choice = math.inf, (-1, -1)
             for r in self.able[g]:
-                added, at = self._insertion(r, self.victim[g])
+                delay, added, at = self._insertion(r, g)
                 total, walk = busy[r][0] + added + self.service[g], busy[r][1] + added
                 if total > self.endurance[r] + 1e-9 or walk > self.longest_walk[r] + 1e-9:
                     continue
-                price = self._price(r, g, added, at, total)
+                price = total + added if self.objective == "makespan" else delay
+                if daring and rng.random() < DARING:
+                    price *= rng.random()
                 if price < best:
                     best, choice = price, (r, at)
             r, at = choice
             if r < 0:
                 return False
-            added, _ = (0.0, 0) if at < 0 else self._added(r, self.victim[g], at)
+            added = 0.0 if at < 0 else self._added(r, self.victim[g], at)
             busy[r] = busy[r][0] + added + self.service[g], busy[r][1] + added
             if at >= 0:
                 self.routes[r].insert(at, self.victim[g])
             self.who[g] = r
         return True
 
-    def _price(self, r: int, g: int, added: float, at: int, total: float) -> float:
-        """What to minimise in choosing a robot; rough for latency, whose true cost is found later."""
-        if self.objective == "total_time":
-            return added
-        if self.objective == "makespan":
-            return total + added
-        later = len(self.routes[r]) - at if at >= 0 else 0
-        return (added + self.service[g]) * (1 + later) + 0.5 * total
+    def _insertion(self, r: int, g: int) -> tuple[float, float, int]:
+        """The price of serving `g` by `r`, the added travel, and the place.
 
-    def _insertion(self, r: int, v: int) -> tuple[float, int]:
-        """The least added travel of visiting `v` and the place; 0 and -1 if r is there already."""
-        route = self.routes[r]
+        The place is -1 where r visits the victim already. The price is the added travel, for
+        latency the added weighted completion times.
+        """
+        v, route = self.victim[g], self.routes[r]
+        if self.objective == "latency":
+            return self._soonest(r, g)
         if v in route:
-            return 0.0, -1
+            return 0.0, 0.0, -1
+        place = self._nearest(r, v)
+        added = self._added(r, v, place)
+        return added, added, place
+
+    def _nearest(self, r: int, v: int) -> int:
+        """The place at which visiting `v` adds the least travel."""
+        route = self.routes[r]
         if not route:
-            return self.leave[r][v] + self.back[r][v], 0
+            return 0
         to_v = self.between[r][v]
         leave, blink = self.leave[r], self.rng.random
         first = route[0]
         best, place = leave[v] + to_v[first] - leave[first], 0
-        latency = self.objective == "latency"
-        if latency:
-            best = best * (len(route) + 1)
         before = first
         for i in range(1, len(route)):
             after = route[i]
             added = to_v[before] + to_v[after] - self.between[r][before][after]
-            if latency:
-                added *= len(route) - i + 1
             if added < best and blink() > BLINK:
                 best, place = added, i
             before = after
         back = self.back[r]
         if to_v[before] + back[v] - back[before] < best:
             place = len(route)
-        return self._added(r, v, place)[0], place
+        return place
 
-    def _added(self, r: int, v: int, place: int) -> tuple[float, int]:
+    def _soonest(self, r: int, g: int) -> tuple[float, float, int]:
+        """As `_insertion`, at the place that adds the least to weighted completion times.
+
+        Victims that r visits later are taken to complete with its visit, even where another robot
+        completes them: the true cost is found when all is put back.
+        """
+        v, route, service = self.victim[g], self.routes[r], self.service[g]
+        done = self._done(r)
+        weight = sum(self.priority[w] for w in route)
+        elsewhere = max(
+            (self._done(q)[self.routes[q].index(v)] for q in self._others(v, r)), default=0.0
+        )
+        best, place, least = math.inf, len(route), 0.0
+        for i, w in enumerate((*route, -1)):
+            if w == v:
+                return service * weight, 0.0, -1
+            added = self._added(r, v, i)
+            leave = self.between[r][route[i - 1]][v] if i else self.leave[r][v]
+            own = (done[i - 1] if i else 0.0) + leave + service
+            price = self.priority[v] * max(own - elsewhere, 0.0) + (added + service) * weight
+            if price < best and (w < 0 or self.rng.random() > BLINK):
+                best, place, least = price, i, added
+            weight -= self.priority[w] if w >= 0 else 0.0
+        return best, least, place
+
+    def _added(self, r: int, v: int, place: int) -> float:
+        """The travel that visiting `v` at `place` adds."""
         route, between = self.routes[r], self.between[r]
         if not route:
-            return self.leave[r][v] + self.back[r][v], place
+            return self.leave[r][v] + self.back[r][v]
         if place == 0:
-            return self.leave[r][v] + between[v][route[0]] - self.leave[r][route[0]], place
+            return self.leave[r][v] + between[v][route[0]] - self.leave[r][route[0]]
         before = route[place - 1]
         if place == len(route):
-            return between[before][v] + self.back[r][v] - self.back[r][before], place
+            return between[before][v] + self.back[r][v] - self.back[r][before]
         after = route[place]
-        return between[before][v] + between[v][after] - between[before][after], place
+        return between[before][v] + between[v][after] - between[before][after]
 
-    def _busy(self, r: int, without: set[int]) -> tuple[float, float]:
-        """Time and travel of robot `r` on its route, the requirements of `without` not counted."""
+    def _others(self, v: int, r: int) -> set[int]:
+        """The other robots that serve `v`."""
+        return {self.who[g] for g in self.needs[v]} - {r, -1}
+
+    def _done(self, r: int) -> list[float]:
+        """When each visit of robot `r` is done."""
+        clock, last = 0.0, -1
+        done = []
+        for v in self.routes[r]:
+            clock += self.leave[r][v] if last < 0 else self.between[r][last][v]
+            for g in self.needs[v]:
+                if self.who[g] == r:
+                    clock += self.service[g]
+            done.append(clock)
+            last = v
+        return done
+
+    def _busy(self, r: int) -> tuple[float, float]:
+        """Time and travel of robot `r` on its route."""
         route = self.routes[r]
         if not route:
             return 0.0, 0.0
@@ -283,24 +336,17 @@ class _Search:
         service = 0.0
         for v in route:
             for g in self.needs[v]:
-                if self.who[g] == r and g not in without:
+                if self.who[g] == r:
                     service += self.service[g]
         return travel + service, travel
 
     def _cost(self) -> float:
-        nothing: set[int] = set()
         if self.objective != "latency":
-            busy = [self._busy(r, nothing)[0] for r in range(len(self.routes))]
+            busy = [self._busy(r)[0] for r in range(len(self.routes))]
             # Among equal makespans the least total leads on: a flat objective has no slope.
             return sum(busy) if self.objective == "total_time" else max(busy) + 1e-4 * sum(busy)
         completion = [0.0] * self.data.n_victims
         for r, route in enumerate(self.routes):
-            clock, last = 0.0, -1
-            for v in route:
-                clock += self.leave[r][v] if last < 0 else self.between[r][last][v]
-                for g in self.needs[v]:
-                    if self.who[g] == r:
-                        clock += self.service[g]
+            for v, clock in zip(route, self._done(r), strict=True):
                 completion[v] = max(completion[v], clock)
-                last = v
         return float(sum(p * c for p, c in zip(self.priority, completion, strict=True)))

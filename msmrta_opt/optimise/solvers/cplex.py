@@ -13,12 +13,13 @@ import numpy as np
 from ...mission.errors import SolverError
 from ..program import Program
 from .base import Options, Outcome, Solver
-from .outcomes import incumbent, own_bound, unbounded_or_infeasible
+from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
 MOST_SEEDS = 2_100_000_000
 """CPLEX has no more."""
 
 
+@relaxation_first
 def run(program: Program, options: Options) -> Outcome:
     """Solve `program` with CPLEX.
 

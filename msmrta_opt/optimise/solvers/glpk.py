@@ -15,7 +15,7 @@ import numpy as np
 from ..program import Program
 from .apart import run_apart
 from .base import Options, Outcome, Solver
-from .outcomes import incumbent, own_bound, unbounded_or_infeasible
+from .outcomes import incumbent, own_bound, time_left, unbounded_or_infeasible
 
 LONGEST = 2**31 - 1
 """Milliseconds that stand for no limit."""
@@ -64,8 +64,8 @@ def _solve(program: Program, options: Options) -> Outcome:
 def _milliseconds(options: Options, began: float) -> int:
     if options.time_limit is None:
         return LONGEST
-    left = options.time_limit - (time.perf_counter() - began)
-    return int(min(max(left * 1000, 0), LONGEST))
+    left = time_left(options, began).time_limit or 0.0
+    return int(min(left * 1000, LONGEST))
 
 
 def _fill(glp: Any, problem: Any, program: Program) -> None:

@@ -14,12 +14,13 @@ from ...mission.errors import SolverError
 from ..formulation import Bools
 from ..program import Program
 from .base import Options, Outcome, Solver
-from .outcomes import incumbent, own_bound, unbounded_or_infeasible
+from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
 MOST_SEEDS = 2_000_000_000
 """Gurobi has no more."""
 
 
+@relaxation_first
 def run(program: Program, options: Options) -> Outcome:
     """Solve `program` with Gurobi.
 

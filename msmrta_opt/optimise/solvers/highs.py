@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...mission.errors import SolverError
 from ..program import Program
 from .base import Options, Outcome, Solver
 
@@ -16,9 +17,13 @@ _threads_in_use: int | None = None
 
 def run(program: Program, options: Options) -> Outcome:
     """Solve `program` with HiGHS; a continuous one by the simplex method, so at a vertex."""
-    import highspy
-
+    try:
+        import highspy
+    except ImportError as error:
+        # The libraries of OR-Tools, once loaded, keep those of highspy from being loaded.
+        raise SolverError(f"HiGHS cannot be loaded in this process: {error}") from error
     began = time.perf_counter()
+    program = program.with_whole_bounds()
     highs = highspy.Highs()
     set_options(highs, options, integer=bool(program.integer.any()))
     highs.passModel(model(highspy, program))

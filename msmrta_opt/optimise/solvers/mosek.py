@@ -17,9 +17,10 @@ from ...mission.errors import SolverError
 from ..formulation import Floats
 from ..program import Program
 from .base import Options, Outcome, Solver
-from .outcomes import gap_of_larger, incumbent, own_bound, unbounded_or_infeasible
+from .outcomes import gap_of_larger, incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
 
+@relaxation_first
 def run(program: Program, options: Options) -> Outcome:
     """Solve `program` with MOSEK; a continuous one by the simplex method, so at a vertex.
 

@@ -9,12 +9,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import wraps
 
 import numpy as np
 
 from ..formulation import Floats
 from ..program import Program
 from .base import Options, Outcome
+
+Adapter = Callable[[Program, Options], Outcome]
 
 INFINITE = 1e20
 """From here on, solvers mean infinity."""
@@ -67,7 +70,7 @@ def time_left(options: Options, began: float) -> Options:
 
 
 def unbounded_or_infeasible(
-    run: Callable[[Program, Options], Outcome], program: Program, options: Options, began: float
+    run: Adapter, program: Program, options: Options, began: float
 ) -> Outcome:
     """Tell apart what a solver or an unbounded relaxation leaves open.
 
@@ -92,3 +95,30 @@ def unbounded_or_infeasible(
     return Outcome(
         "no_solution", message="unbounded or infeasible, and stopped before it was known"
     )
+
+
+def relaxation_first(run: Adapter) -> Adapter:
+    """The adapter `run`, with the relaxation solved first where the program may be unbounded.
+
+    On an unbounded mixed-integer program SCIP can go round in circles, Gurobi can call a point
+    optimal, and COPT can stop at 1e30. Each is right on the relaxation. A program in which no column
+    alone improves the objective without end is bounded, so that most go straight to `run`.
+    """
+
+    @wraps(run)
+    def guarded(program: Program, options: Options) -> Outcome:
+        began = time.perf_counter()
+        if program.integer.any() and _may_be_unbounded(program):
+            relaxation = run(program.relaxed(), replace(options, start=None, gap=None))
+            if relaxation.status == "unbounded":
+                return unbounded_or_infeasible(run, program, options, began)
+            options = time_left(options, began)
+        return run(program, options)
+
+    return guarded
+
+
+def _may_be_unbounded(program: Program) -> bool:
+    cost = program.sign * program.cost
+    endless = ((cost < 0) & np.isinf(program.upper)) | ((cost > 0) & np.isinf(program.lower))
+    return bool(endless.any())

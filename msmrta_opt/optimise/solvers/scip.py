@@ -3,31 +3,25 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..program import Program
 from .base import Options, Outcome, Solver
-from .outcomes import incumbent, own_bound, time_left, unbounded_or_infeasible
+from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
 
+@relaxation_first
 def run(program: Program, options: Options) -> Outcome:
     """Solve `program` with SCIP, on one thread."""
     import pyscipopt
 
     began = time.perf_counter()
-    # After its presolve SCIP can go round in circles on an unbounded program: the relaxation of one
-    # that may be is solved first, without presolve.
-    if program.integer.any() and _may_be_unbounded(program):
-        relaxation = run(program.relaxed(), replace(options, start=None, gap=None))
-        if relaxation.status == "unbounded":
-            return unbounded_or_infeasible(run, program, options, began)
-        options = time_left(options, began)
     model = pyscipopt.Model()
     _set_options(model, options)
     if not program.integer.any():
+        # After its presolve SCIP can go round in circles on an unbounded program.
         model.setParam("presolving/maxrounds", 0)
     variables = _fill(pyscipopt, model, program)
     if options.start is not None:
@@ -37,13 +31,6 @@ def run(program: Program, options: Options) -> Outcome:
     if status in ("unbounded", "inforunbd"):
         return unbounded_or_infeasible(run, program, options, began)
     return _outcome(model, variables, program, status)
-
-
-def _may_be_unbounded(program: Program) -> bool:
-    """Whether some column alone can improve the objective without end."""
-    cost = program.sign * program.cost
-    endless = ((cost < 0) & np.isinf(program.upper)) | ((cost > 0) & np.isinf(program.lower))
-    return bool(endless.any())
 
 
 def _set_options(model: Any, options: Options) -> None:

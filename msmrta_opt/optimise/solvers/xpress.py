@@ -14,9 +14,10 @@ import numpy as np
 from ...mission.errors import SolverError
 from ..program import Program
 from .base import Options, Outcome, Solver
-from .outcomes import gap_of_larger, incumbent, own_bound, unbounded_or_infeasible
+from .outcomes import gap_of_larger, incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
 
+@relaxation_first
 def run(program: Program, options: Options) -> Outcome:
     """Solve `program` with Xpress.
 
@@ -98,7 +99,8 @@ def _outcome(xpress: Any, problem: Any, program: Program) -> Outcome:
     if not integer:  # before it is optimal, a point of the simplex method need not be feasible
         if found != statuses.OPTIMAL:
             return Outcome("no_solution", message=name)
-        x, prices = np.array(problem.getSolution()), np.array(problem.getDuals())
+        x = np.array(problem.getSolution())
+        prices = np.array(problem.getDuals() if program.n_rows else [])
         return Outcome("optimal", x, prices=prices, proof="LP duality", message=name)
     # Before the root relaxation is solved, Xpress reports 0.
     bound = None

@@ -1,0 +1,43 @@
+"""A proven bound, with what is needed to check it again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..check import dual_bound
+from ..formulation import Floats
+from ..program import Program
+
+Proof = Literal["combinatorial", "root LP", "branch and cut"]
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """No answer is better than `value`.
+
+    The root relaxation is stored whole: whoever solves `program` with any solver, or multiplies it
+    with `prices` by hand (`root`), sees what it proves. What branching adds to that rests on the
+    tree; what rounding adds, on `step`.
+    """
+
+    value: float
+    """In time units, offset included."""
+    proof: Proof
+    step: float = 0.0
+    """Answers are worth the program's offset plus multiples of this; 0 if that is not known."""
+    program: Program | None = None
+    """The root relaxation with its cuts, on all columns."""
+    prices: Floats | None = None
+    """Duals of its rows, ``(n_rows,)``."""
+
+    def root(self) -> float | None:
+        """What the stored relaxation proves, computed from it and its prices, without a solver."""
+        if self.program is None or self.prices is None:
+            return None
+        return dual_bound(self.program, self.prices)
+
+
+def gap(value: float, bound: float) -> float:
+    """Relative gap of an answer: the share of its value that the bound leaves open, 0 to 1."""
+    return max(0.0, value - bound) / abs(value) if value else 0.0

@@ -1,0 +1,295 @@
+r"""The strong method: an answer and a bound that close in on each other.
+
+1. The cutting-plane relaxation (`relaxation`) bounds from below.
+2. The columns of its points and of the incumbent, few as they are, make a small integer program whose
+   solution is mostly much better than the incumbent; local search polishes it.
+3. Reduced costs fix most columns (`fixing`).
+4. Branch and cut (`branch_and_cut`, or `resolve` without SCIP) on the rest, for better answers only.
+
+It may be stopped at any moment.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from ...mission.errors import InputError, SolverError
+from ..formulation import Floats
+from .bound import Bound, Proof, gap
+from .columns import Columns
+from .cuts import Cut
+from .data import Objective, Routes, RoutingData, faults, value
+from .fixing import fixed
+from .grain import Grain, granularity
+from .local_search import improve
+from .relaxation import Relaxation, Relaxed
+from .tree import Tree
+
+Report = Callable[[Routes, float, float, str], None]
+"""Called with routes, their value, the bound, and what has just happened."""
+
+NEAR = 0.005
+"""Gap up to which trees are left to themselves."""
+LONGEST_POLISH = 30.0
+"""Seconds of local search at a time."""
+_ROUNDING = 1e-6
+
+
+class _Search(Protocol):
+    def __call__(
+        self,
+        columns: Columns,
+        cuts: tuple[Cut, ...],
+        lower: Floats,
+        upper: Floats,
+        *,
+        best: float,
+        time_limit: float,
+        seed: int,
+        improved: Callable[[Routes], None],
+        go_on: Callable[[float], bool],
+    ) -> Tree: ...
+
+
+def strong_bound(
+    data: RoutingData,
+    objective: Objective,
+    incumbent: Routes,
+    *,
+    time_limit: float = math.inf,
+    gap: float = 0.0,
+    seed: int = 0,
+    report: Report | None = None,
+    should_stop: Callable[[], bool] | None = None,
+) -> tuple[Routes, Bound]:
+    """The best routes found, and a bound that no routes are better than.
+
+    Parameters
+    ----------
+    data : RoutingData
+        The joint problem. Travel times should satisfy the triangle inequality, as walking does:
+        without it answers and bounds hold, but may not meet.
+    objective : {"total_time", "makespan"}
+        What to minimise.
+    incumbent : Routes
+        Feasible routes to begin with; the better they are, the sooner the gap closes.
+    time_limit : float
+        Seconds of wall time.
+    gap : float
+        Stop when this share of the value, 0 to 1, is all that the bound leaves open.
+    seed : int
+        Of all random choices.
+    report : callable, optional
+        Called whenever the routes or the bound got better.
+    should_stop : callable, optional
+        Asked often; the search ends soon after it says so.
+
+    Raises
+    ------
+    InputError
+        If `incumbent` is not feasible, or the objective is latency.
+    SolverError
+        If a bound exceeds the value of feasible routes: a bug, never to be passed over.
+    """
+    if wrong := faults(data, incumbent):
+        raise InputError(f"not feasible: {wrong[0]}", field="incumbent")
+    if objective not in ("total_time", "makespan"):
+        raise InputError(f"{objective!r}; give 'total_time' or 'makespan'", field="objective")
+    run = _Run(data, objective, incumbent, time_limit, gap, seed, report, should_stop)
+    if not run.done():
+        relaxed = run.relax()
+        if not run.done():
+            run.restricted(relaxed)
+        if not run.done():
+            run.branch(relaxed)
+    return run.routes, run.result()
+
+
+def combinatorial_bound(data: RoutingData, objective: Objective) -> float:
+    """A bound at once: each requirement alone, by whoever is soonest done with it."""
+    alone = (data.leave + data.back)[:, :, None] + data.service[None]
+    soonest = np.where(data.able, alone, np.inf).min(axis=0, initial=np.inf)[data.required]
+    if objective == "makespan":
+        return float(soonest.max(initial=0.0))
+    travel = soonest - data.service[data.required]
+    return data.total_service + float(travel.max(initial=0.0))
+
+
+def search_tree() -> _Search:
+    """Branch and cut by SCIP where it is installed, by HiGHS where not."""
+    if importlib.util.find_spec("pyscipopt") is not None:
+        from .branch_and_cut import branch_and_cut
+
+        return branch_and_cut
+    from .resolve import resolve
+
+    return resolve
+
+
+class _Run:
+    """The state of one run: incumbent, bound and clock."""
+
+    def __init__(
+        self,
+        data: RoutingData,
+        objective: Objective,
+        incumbent: Routes,
+        time_limit: float,
+        gap: float,
+        seed: int,
+        report: Report | None,
+        should_stop: Callable[[], bool] | None,
+    ) -> None:
+        self.data, self.objective, self.seed, self.gap = data, objective, seed, gap
+        self.began = time.monotonic()
+        self.until = self.began + time_limit
+        self.report, self.should_stop = report, should_stop or (lambda: False)
+        self.grain: Grain = granularity(data, objective)
+        self.routes = incumbent
+        self.value = value(data, incumbent, objective)
+        self.bound = -math.inf
+        self.proof: Proof = "combinatorial"
+        self.columns = Columns.of(data, objective, self.value)
+        self.relaxed: Relaxed | None = None
+        self.polished = 0
+        self.seen = np.zeros(self.columns.n_columns, dtype=bool)
+        self.raise_bound(combinatorial_bound(data, objective), "combinatorial")
+
+    def left(self) -> float:
+        """Seconds left."""
+        return self.until - time.monotonic()
+
+    def done(self) -> bool:
+        """Whether to stop: time, gap, or because someone asked."""
+        return self.closed() or self.left() <= 0 or self.should_stop()
+
+    def closed(self) -> bool:
+        """Whether the gap is small enough."""
+        return gap(self.value, self.bound) <= max(self.gap, _ROUNDING)
+
+    def raise_bound(self, bound: float, proof: Proof) -> None:
+        """A new bound, rounded up to a possible value."""
+        bound = self.grain.up(bound)
+        slack = _ROUNDING * max(1.0, abs(self.value))
+        if bound > self.value + slack:
+            raise SolverError(
+                f"internal error: bound {bound!r} ({proof}) above the feasible {self.value!r}"
+            )
+        bound = min(bound, self.value)
+        if bound > self.bound + _ROUNDING:
+            self.bound, self.proof = bound, proof
+            self.tell(proof)
+
+    def offer(self, routes: Routes) -> None:
+        """Routes that may be better than the incumbent."""
+        if faults(self.data, routes):
+            return
+        worth = value(self.data, routes, self.objective)
+        if worth < self.value - _ROUNDING:
+            if worth < self.bound - _ROUNDING * max(1.0, abs(worth)):
+                raise SolverError(
+                    f"internal error: routes worth {worth!r} below the bound {self.bound!r}"
+                )
+            self.routes, self.value = routes, worth
+            self.bound = min(self.bound, worth)
+            self.tell("better routes")
+
+    def tell(self, what: str) -> None:
+        """Report the state."""
+        if self.report is not None:
+            self.report(self.routes, self.value, self.bound, what)
+
+    def relax(self) -> Relaxed:
+        """The root bound."""
+        relaxation = Relaxation(self.columns, routes=self.routes)
+        self.relaxed = relaxation.solve(
+            time_limit=self.left(),
+            tolerance=1e-2,
+            tail=(15, 2e-5),
+            report=lambda bound: self.raise_bound(bound, "root LP"),
+            should_stop=self.done,
+        )
+        self.seen = relaxation.seen
+        return self.relaxed
+
+    def restricted(self, relaxed: Relaxed) -> None:
+        """The integer program on the columns that the relaxation or the incumbent used."""
+        if self.objective == "makespan" and not self.near():
+            self.polish(0.2)
+        used = self.seen | (self.columns.point(self.routes) > 0)
+        upper = np.where(used, self.columns.upper, 0.0)
+        self.search(relaxed, upper, self.value, seconds=0.2 * self.left())
+        if not self.done() and not self.near():
+            self.polish(0.1)
+
+    def near(self) -> bool:
+        """Whether so little is open that local search is of no more use than a tree."""
+        return gap(self.value, self.bound) <= NEAR
+
+    def polish(self, share: float) -> None:
+        """Local search on the incumbent, for a share of the time left."""
+        self.polished += 1
+        # On small missions trees take less time than any local search worth the name.
+        spent = time.monotonic() - self.began
+        seconds = min(share * self.left(), 2 * spent, LONGEST_POLISH)
+        self.offer(
+            improve(
+                self.data,
+                self.routes,
+                self.objective,
+                seconds=seconds,
+                seed=self.seed + self.polished,
+                should_stop=self.done,
+            )
+        )
+
+    def search(
+        self,
+        relaxed: Relaxed,
+        upper: Floats,
+        target: float,
+        *,
+        seconds: float,
+        proved: Callable[[float], None] = lambda bound: None,
+    ) -> Tree:
+        """Branch and cut for answers better than `target` on columns whose `upper` is not 0."""
+        lower, upper = fixed(self.columns, relaxed, target, np.zeros(self.columns.n_columns), upper)
+
+        def go_on(bound: float) -> bool:
+            proved(bound)
+            return not self.done()
+
+        return search_tree()(
+            self.columns,
+            relaxed.cuts,
+            lower,
+            upper,
+            best=target,
+            time_limit=min(seconds, self.left()),
+            seed=self.seed,
+            improved=self.offer,
+            go_on=go_on,
+        )
+
+    def branch(self, relaxed: Relaxed) -> None:
+        """Branch and cut on all that fixing leaves."""
+        target = self.value
+
+        def proved(bound: float) -> None:
+            self.raise_bound(min(bound, target, self.value), "branch and cut")
+
+        tree = self.search(relaxed, self.columns.upper, target, seconds=self.left(), proved=proved)
+        proved(tree.bound)
+
+    def result(self) -> Bound:
+        """The bound with its root relaxation."""
+        if self.relaxed is None:
+            return Bound(self.bound, self.proof, self.grain.step)
+        program = self.columns.program(list(self.relaxed.cuts)).relaxed()
+        return Bound(self.bound, self.proof, self.grain.step, program, self.relaxed.prices)

@@ -1,0 +1,270 @@
+"""The exact planner: the joint problem, improved from above and bounded from below, at any time.
+
+It starts from the best plan of the quick planners, improved by local search; total time and makespan are
+then closed in on by the strong method (`optimise.routing.strong`), latency by local search above a
+combinatorial bound. It stops at the time limit, at the gap, or at Ctrl-C, always with the best plan and
+what is proven about it.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from ..mission.errors import InputError
+from ..mission.instance import Instance
+from ..mission.plan import BEYOND_ENDURANCE, Certificate, Plan, Route, Unserved
+from ..optimise.routing.bound import Bound
+from ..optimise.routing.bound import gap as relative_gap
+from ..optimise.routing.data import Objective, Routes, RoutingData, faults, value
+from ..optimise.routing.latency import latency_bound
+from ..optimise.routing.local_search import improve
+from ..optimise.routing.strong import Report, strong_bound
+from ..stages.joint_routing import routing_data
+from ..stages.options import StagedOptions
+from ..stages.path_planning import path_planning
+from ..stages.requirement_analysis import missing_capabilities, requirement_analysis
+from ..stages.scouting import scout_mission
+from ..stages.situation import Situation, Stop
+from . import greedy, ssi
+from .base import Planner, Stopwatch
+from .improvement import check_objective, stops_of
+from .record import assemble
+
+STAGE = "exact"
+SHARE_OF_SEARCH = 0.1
+"""Of the time limit, for local search before the bound is sought."""
+SEARCH_PER_VICTIM = 0.05
+"""Most seconds per victim of that search."""
+
+
+def run(
+    instance: Instance,
+    *,
+    objective: Objective = "total_time",
+    time_limit: float = 60.0,
+    gap: float = 0.0,
+    seed: int = 0,
+    endurance: float | None = None,
+    longest_walk: float | None = None,
+    return_to_start: bool = False,
+    report: Report | None = None,
+) -> Plan:
+    """Plan `instance` as well as the time allows, with a proven bound.
+
+    Parameters
+    ----------
+    objective : {"total_time", "makespan", "latency"}
+        What to minimise.
+    time_limit : float
+        Seconds.
+    gap : float
+        Relative gap to stop at.
+    seed : int
+        Of scouting and of the search.
+    endurance : float, optional
+        Most time units that a robot may be busy.
+    longest_walk : float, optional
+        Most cells that a robot may walk.
+    return_to_start : bool
+        Whether robots walk back after their last visit.
+    report : callable, optional
+        Called with routes, value, bound and what happened, whenever one of them got better.
+
+    Raises
+    ------
+    InputError
+        If an option is wrong, or no plan within the limits of endurance is found.
+    """
+    check_objective(objective)
+    for name, number in {"time_limit": time_limit, "gap": gap}.items():
+        if not number >= 0:
+            raise InputError(f"{number!r}; give 0 or more", field=name)
+    watch = Stopwatch()
+    with watch("scouting"):
+        known, scouting = scout_mission(instance, StagedOptions(seed=seed))
+    with watch("requirement analysis"):
+        situation = Situation.of(known)
+        analysis = requirement_analysis(known.P, known.Q)
+        missing = missing_capabilities(known.Q, analysis.potential, situation.reach)
+        data = routing_data(
+            situation,
+            endurance=endurance,
+            longest_walk=longest_walk,
+            return_to_start=return_to_start,
+        )
+    with watch("joint problem"), _interruptible() as interrupted:
+        routes, bound = _solve(
+            situation, data, objective, time_limit, gap, seed, report, interrupted
+        )
+    with watch("path planning"):
+        legs = path_planning(known, stops_of(situation, routes, STAGE))
+        if return_to_start:
+            legs = tuple(_with_way_back(known, route) for route in legs)
+    plan = assemble(
+        instance,
+        known,
+        planner=PLANNER.name,
+        options={
+            "objective": objective,
+            "time_limit": time_limit,
+            "gap": gap,
+            "seed": seed,
+            "endurance": endurance,
+            "longest_walk": longest_walk,
+            "return_to_start": return_to_start,
+        },
+        routes=legs,
+        missing=missing,
+        report=scouting,
+        seconds=watch.seconds,
+    )
+    left = _left_out(situation, data)
+    certificate = _certificate(data, routes, objective, bound, gap)
+    return plan.model_copy(
+        update={"unserved": (*plan.unserved, *left), "certificates": (certificate,)}
+    )
+
+
+def _solve(
+    situation: Situation,
+    data: RoutingData,
+    objective: Objective,
+    time_limit: float,
+    gap: float,
+    seed: int,
+    report: Report | None,
+    interrupted: Callable[[], bool],
+) -> tuple[Routes, Bound]:
+    began = time.monotonic()
+
+    def left() -> float:
+        return max(time_limit - (time.monotonic() - began), 0.0)
+
+    routes = _first(situation, data, objective)
+    if not data.required.any():
+        return routes, Bound(0.0, "combinatorial")
+    lower = latency_bound(data) if objective == "latency" else 0.0
+    closed = value(data, routes, objective) <= lower + 1e-9
+    share = 1.0 if objective == "latency" else SHARE_OF_SEARCH
+    if not closed and left() > 0:
+        seconds = share * left()
+        if objective != "latency":
+            # Small missions are proven sooner than a search of seconds is worth.
+            seconds = min(seconds, SEARCH_PER_VICTIM * data.n_victims)
+        routes = improve(
+            data, routes, objective, seconds=seconds, seed=seed, should_stop=interrupted
+        )
+    if objective == "latency":
+        worth = value(data, routes, objective)
+        if report is not None:
+            report(routes, worth, lower, "combinatorial")
+        return routes, Bound(min(lower, worth), "combinatorial")
+    return strong_bound(
+        data,
+        objective,
+        routes,
+        time_limit=left(),
+        gap=gap,
+        seed=seed,
+        report=report,
+        should_stop=interrupted,
+    )
+
+
+def _first(situation: Situation, data: RoutingData, objective: Objective) -> Routes:
+    """The best of the quick planners' routes that keep to the limits."""
+    found: list[Routes] = []
+    for allocate in (ssi.allocate, greedy.allocate):
+        routes = _within(data, allocate(situation))
+        if not faults(data, routes):
+            found.append(routes)
+    if not found:
+        raise InputError(
+            "no plan within the robots' limits was found to begin with; give more",
+            field="endurance",
+        )
+    return min(found, key=lambda routes: value(data, routes, objective))
+
+
+def _within(data: RoutingData, stops: Sequence[Stop]) -> Routes:
+    """The routes of `stops`, without the requirements that the limits leave out."""
+    routes: list[list[tuple[int, tuple[int, ...]]]] = [[] for _ in range(data.n_robots)]
+    for stop in stops:
+        if stop.victim is None:
+            continue
+        kinds = tuple(k for k in stop.kinds if data.able[stop.robot, stop.victim, k])
+        if kinds:
+            routes[stop.robot].append((stop.victim, kinds))
+    return tuple(tuple(route) for route in routes)
+
+
+def _with_way_back(instance: Instance, route: Route) -> Route:
+    if not route.visits:
+        return route
+    start = next(robot.start for robot in instance.robots if robot.id == route.robot)
+    back = instance.map.walk(route.visits[-1].cells[-1], start)
+    return route.model_copy(update={"back": tuple(back)})
+
+
+def _left_out(situation: Situation, data: RoutingData) -> list[Unserved]:
+    """Available requirements that every capable robot could serve only beyond its limits."""
+    instance = situation.instance
+    return [
+        Unserved(
+            victim=instance.victims[v].id,
+            kind=instance.capabilities[k],
+            reason=BEYOND_ENDURANCE,
+        )
+        for v, k in np.argwhere(situation.available & ~data.required)
+    ]
+
+
+def _certificate(
+    data: RoutingData, routes: Routes, objective: Objective, bound: Bound, gap: float
+) -> Certificate:
+    worth = value(data, routes, objective)
+    opening = relative_gap(worth, bound.value)
+    program = bound.program
+    return Certificate(
+        stage="joint problem",
+        model=objective,
+        sense="min",
+        solver="strong method" if objective != "latency" else "local search",
+        version="",
+        status="optimal" if opening <= 1e-6 else "feasible",
+        objective=worth,
+        bound=bound.value,
+        gap=0.0 if opening <= 1e-6 else opening,
+        proof=bound.proof,
+        check="passed" if not faults(data, routes) else faults(data, routes)[0],
+        n_variables=0 if program is None else program.n_columns,
+        n_rows=0 if program is None else program.n_rows,
+    )
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Whether Ctrl-C was pressed since; it then no longer raises, so that the best plan is kept."""
+    pressed = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield pressed.is_set
+        return
+
+    def press(*_: Any) -> None:
+        pressed.set()
+
+    before = signal.signal(signal.SIGINT, press)
+    try:
+        yield pressed.is_set
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+PLANNER = Planner("exact", "the joint problem, with a proven bound", run)

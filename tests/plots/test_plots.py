@@ -1,0 +1,157 @@
+"""Pictures: composed anywhere, labelled, robots alike in all of them, the same bytes each time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from PIL import Image
+
+from msmrta_opt import plots
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.maps import grid_from_rows
+from msmrta_opt.mission.plan import Plan
+from msmrta_opt.planners import plan as make_plan
+
+PANELS: list[Callable[..., Axes]] = [
+    plots.plot_scouting,
+    plots.plot_assignment,
+    plots.plot_paths,
+    plots.plot_gantt,
+]
+
+
+@pytest.fixture(scope="module")
+def planned() -> Plan:
+    return make_plan(Instance.read(Path(__file__).parents[2] / "instances" / "paper.json"))
+
+
+def texts(ax: Axes) -> str:
+    legends = [legend.get_texts() for legend in [ax.get_legend()] if legend]
+    parts = [ax.get_title(), ax.get_title("left"), ax.get_xlabel(), ax.get_ylabel()]
+    parts += [text.get_text() for text in ax.texts]
+    return " ".join([*parts, *(text.get_text() for group in legends for text in group)])
+
+
+@pytest.mark.parametrize("draw", PANELS)
+def test_a_picture_is_drawn_into_given_axes_or_its_own(
+    planned: Plan, draw: Callable[..., Axes]
+) -> None:
+    figure = Figure()
+    ax = figure.subplots()
+    assert draw(planned, ax) is ax
+    assert ax.has_data()
+    own = draw(planned)
+    assert own is not ax
+    assert own.has_data()
+
+
+@pytest.mark.parametrize("draw", PANELS)
+def test_axes_say_what_they_measure_and_in_what(planned: Plan, draw: Callable[..., Axes]) -> None:
+    said = texts(draw(planned))
+    units = ("time units",) if draw is plots.plot_gantt else ("row (cells)", "column (cells)")
+    for unit in units:
+        assert unit in said
+
+
+def test_the_panels_say_what_the_plan_says(planned: Plan) -> None:
+    assert "10 of 10 victims found" in texts(plots.plot_scouting(planned))
+    assert f"makespan {planned.metrics.makespan:g}" in texts(plots.plot_gantt(planned))
+    assert str(planned.metrics.distance) in texts(plots.plot_paths(planned))
+    assert "no robot has it (2)" in texts(plots.plot_assignment(planned))
+
+
+def test_a_map_is_drawn_with_its_first_row_on_top(planned: Plan) -> None:
+    ax = plots.plot_map(planned.instance.map)
+    low, high = ax.get_ylim()
+    assert low > high
+    assert ax.get_aspect() == 1
+
+
+def test_robots_have_the_same_colour_in_every_picture(planned: Plan) -> None:
+    n_robots = planned.instance.n_robots
+    colours = [to_hex(plots.robot_colour(r)) for r in range(n_robots)]
+    assert len(set(colours)) == n_robots
+    paths = {to_hex(line.get_color()) for line in plots.plot_paths(planned).get_lines()}
+    bars = {to_hex(bar.get_facecolor()) for bar in plots.plot_gantt(planned).patches}
+    assert set(colours) <= paths
+    assert set(colours) <= bars
+
+
+def test_coverage_rises_to_what_the_report_says(planned: Plan) -> None:
+    assert planned.scouting is not None
+    ax = plots.plot_coverage(planned.scouting)
+    assert "%" in texts(ax)
+    ends = [float(line.get_ydata()[-1]) for line in ax.get_lines() if len(line.get_ydata())]
+    assert 100 * planned.scouting.coverage[-1] in [pytest.approx(end) for end in ends]
+
+
+def mission(n_robots: int, n_victims: int, **changes: Any) -> Instance:
+    open_map = grid_from_rows(["." * 12] * 12)
+    return random_mission(open_map, n_robots, n_victims, seed=1, **changes)
+
+
+@pytest.mark.parametrize(
+    "instance",
+    [
+        mission(2, 0),
+        mission(12, 30),
+        mission(1, 1),
+        random_mission(grid_from_rows(["..", ".@", ".."]), 2, 2, seed=0),
+    ],
+    ids=["no victims", "twelve robots", "one of each", "3×2 cells"],
+)
+def test_any_plan_can_be_drawn(instance: Instance, tmp_path: Path) -> None:
+    plots.save_figure(make_plan(instance).plot(), tmp_path / "plan.png", dpi=40)
+    with Image.open(tmp_path / "plan.png") as picture:
+        assert picture.size > (100, 100)
+
+
+@pytest.mark.parametrize("planner", ["mrga", "random"])
+def test_plans_of_other_planners_can_be_drawn(planned: Plan, planner: str) -> None:
+    figure = make_plan(planned.instance, planner=planner).plot()
+    assert len(figure.get_axes()) >= 4 or figure.subfigs
+
+
+def test_the_same_plan_gives_the_same_bytes(planned: Plan, tmp_path: Path) -> None:
+    for name in ("one.png", "two.png", "one.svg", "two.svg"):
+        plots.save_figure(planned.plot(), tmp_path / name, dpi=40)
+    for suffix in ("png", "svg"):
+        one, two = (tmp_path / f"{name}.{suffix}" for name in ("one", "two"))
+        assert one.read_bytes() == two.read_bytes()
+
+
+def test_an_unknown_format_is_refused_and_nothing_is_written(planned: Plan, tmp_path: Path) -> None:
+    path = tmp_path / "plan.gif"
+    with pytest.raises(InputError, match=r"plan\.gif.*'\.gif'.*\.png, \.svg, \.pdf"):
+        plots.save_figure(Figure(), path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pyplot_and_its_settings_are_left_alone(planned: Plan) -> None:
+    before = dict(plt.rcParams)
+    planned.plot()
+    assert plt.get_fignums() == []
+    assert dict(plt.rcParams) == before
+
+
+def test_legends_do_not_lie_on_one_another(planned: Plan) -> None:
+    figure = planned.plot()
+    figure.savefig(BytesIO(), dpi=150)
+    parts = [figure, *figure.subfigs]
+    legends = {legend for part in parts for legend in part.legends}
+    legends |= {ax.get_legend() for ax in figure.axes if ax.get_legend()}
+    boxes = [legend.get_window_extent() for legend in legends]
+    assert len(boxes) >= 4
+    for i, one in enumerate(boxes):
+        for other in boxes[:i]:
+            assert not one.overlaps(other)
