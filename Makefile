@@ -28,7 +28,7 @@ figure: demo
 	cp out/paper.png docs/paper.png
 
 schema: $(VENV)/.installed
-	$(BIN)/python -m msmrta_opt.mission.schema
+	$(BIN)/msmrta schema > msmrta_opt/mission/instance.schema.json
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

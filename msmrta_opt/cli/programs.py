@@ -1,4 +1,4 @@
-"""Commands about integer programs: export, explain."""
+"""Commands about integer programs: solve, export, explain."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from .outputs import named_values
 
 if TYPE_CHECKING:
     from ..optimise.registry import Formulation
+    from ..optimise.solution import Solution
 
 Parameters = Annotated[
     list[str] | None,
@@ -26,8 +27,77 @@ Options = Annotated[
 
 def register(app: typer.Typer) -> None:
     """Add this file's commands to `app`."""
-    for command in (export, explain):
+    for command in (solve, export, explain):
         app.command()(command)
+
+
+def solve(
+    model: Model,
+    instance: InstanceFile,
+    solver: Annotated[str, typer.Option(help="auto, or a solver's name.")] = "auto",
+    structure: Annotated[
+        bool,
+        typer.Option("--structure/--no-structure", help="Whether auto may use what is proven."),
+    ] = True,
+    time_limit: Annotated[float | None, typer.Option(help="Seconds.  [default: none]")] = None,
+    gap: Annotated[float | None, typer.Option(help="Relative gap to stop at.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Of the solver's random choices.")] = None,
+    threads: Annotated[int | None, typer.Option(help="Of the solver.  [default: 1]")] = None,
+    verbose: Annotated[bool, typer.Option("--verbose", help="Show the solver's log.")] = False,
+    parameters: Parameters = None,
+    options: Options = None,
+    folders: Folders = None,
+) -> None:
+    """Solve a formulation on an instance, and print the answer with its certificate."""
+    from ..optimise.solve import solve as solve_it
+
+    formulation, data = _prepared(model, instance, options, folders)
+    solution = solve_it(
+        formulation,
+        data,
+        solver=solver,
+        structure=structure,
+        time_limit=time_limit,
+        gap=gap,
+        seed=seed,
+        threads=threads,
+        verbose=verbose,
+        **_numbers(formulation, parameters),
+    )
+    _show_solution(solution)
+    if not solution.found:
+        raise typer.Exit(1)
+
+
+def _show_solution(solution: Solution) -> None:
+    import numpy as np
+
+    from .console import number, seconds, table
+
+    rows: list[tuple[str, object]] = [
+        ("status", solution.status),
+        ("objective", f"{number(solution.objective, 9)} ({solution.sense})"),
+        ("bound", number(solution.bound, 9)),
+        ("gap", number(solution.gap)),
+        ("proof", solution.proof or "–"),
+        ("independent check", solution.check or "–"),
+        ("solver", f"{solution.solver} {solution.solver_version}"),
+        ("parameters", ", ".join(f"{k} = {v:g}" for k, v in solution.parameters.items())),
+        ("canonicalised in", seconds(solution.canonicalise_seconds)),
+        ("solved in", seconds(solution.solve_seconds)),
+        ("nodes", solution.nodes),
+        ("variables, rows", f"{solution.n_variables}, {solution.n_rows}"),
+    ]
+    if solution.message:
+        rows.append(("the solver says", solution.message))
+    table(solution.formulation, ["what", "value"], rows)
+    nonzero = [
+        (f"{name}[{', '.join(map(str, index))}]" if index else name, float(values[tuple(index)]))
+        for name, values in solution.values.items()
+        for index in np.argwhere(np.abs(values) > 1e-9).tolist()
+    ]
+    if solution.found:
+        table("Variables that are not zero", ["variable", "value"], nonzero)
 
 
 def export(
@@ -84,7 +154,7 @@ def _prepared(
     return formulation, stage_data(Instance.read(instance), formulation.spec.stage, given)
 
 
-def _numbers(formulation: Formulation, texts: list[str] | None) -> dict[str, float]:
+def _numbers(formulation: Formulation, texts: list[str] | None) -> dict[str, Any]:
     """The parameters of `formulation`, those of `texts` and defaults for the rest."""
     from ..mission.errors import InputError
     from ..optimise.compile import parameter_values
