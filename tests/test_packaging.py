@@ -92,23 +92,46 @@ def test_an_installed_wheel_plans_its_own_instance(installed: Path, tmp_path: Pa
     assert share == 1.0
 
 
+USE_IT = """
+import msmrta_opt as mo, numpy as np
+from msmrta_opt.cli import run
+from msmrta_opt.optimise import registry
+if __name__ == '__main__':
+    assert 'cluster_mine' in [item.name for item in registry.listings('cluster')]
+    data = mo.ClusterData(np.array([[1., 4.], [2., 3.]]), np.zeros((2, 2)), np.array([1, 1]))
+    assert mo.solve('cluster_mine', data, psi=0.0).require().objective == 6.0
+    compared = ['--models', 'cluster_mine', '--solvers', 'auto,highs', '--no-scores']
+    assert run(['compare', 'small.json', *compared, '--json', 'rows.json']) == 0
+    assert run(['export', 'cluster_mine', 'small.json', '-o', 'mine.mps']) == 0
+    print(mo.__file__)
+"""
+
+
 @pytest.mark.parametrize("where", ["checkout", "in place", "wheel"])
-def test_a_new_file_in_a_folder_of_ones_own_is_listed_and_solved(
+def test_a_new_file_is_listed_solved_compared_exported_and_held_to_the_contract(
     where: str, installed: Path, tmp_path: Path
 ) -> None:
     # "in place" is the editable install in which the tests run; "checkout" has it on the path.
     own = tmp_path / "own"
     own.mkdir()
     (own / "cluster_mine.py").write_text(OWN_MODEL)
+    (tmp_path / "small.json").write_bytes((ROOT / "instances" / "two_rooms.json").read_bytes())
+    (tmp_path / "use_it.py").write_text(USE_IT)
     path = {"checkout": ROOT, "in place": None, "wheel": installed}[where]
+    code = "import runpy; runpy.run_path('use_it.py', run_name='__main__')"
+    output = python(code, path=path, cwd=tmp_path, MSMRTA_MODELS=str(own))
+    package = Path(output.splitlines()[-1]).parents[1]
+    assert package == (installed if where == "wheel" else ROOT)
+    rows = json.loads((tmp_path / "rows.json").read_text())
+    assert [row["status"] for row in rows] == ["optimal", "optimal"]
+    assert (tmp_path / "mine.mps").stat().st_size > 0
+    contract = ROOT / "tests" / "models" / "test_formulations.py"
     code = (
-        "import numpy as np, msmrta_opt as mo;"
-        "from msmrta_opt.optimise import registry;"
-        "assert 'cluster_mine' in [item.name for item in registry.listings('cluster')];"
-        "data = mo.ClusterData(np.array([[1., 4.], [2., 3.]]), np.zeros((2, 2)), np.array([1, 1]));"
-        "print(mo.solve('cluster_mine', data, psi=0.0).require().objective)"
+        "import sys, pytest;"
+        f"sys.exit(pytest.main(['-q', '-p', 'no:cacheprovider', '-k', 'cluster_mine', r'{contract}',"
+        f" '--rootdir', r'{ROOT}', '-c', r'{ROOT / 'pyproject.toml'}']))"
     )
-    assert python(code, path=path, cwd=tmp_path, MSMRTA_MODELS=str(own)).strip() == "6.0"
+    assert " passed" in python(code, path=path, cwd=tmp_path, MSMRTA_MODELS=str(own))
 
 
 def test_importing_the_package_loads_none_of_its_dependencies(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import sys
 import typer
 
 from ..mission.errors import CheckError, MsmrtaError
-from . import compare, missions, models, programs
+from . import compare, exact, missions, models, programs
 
 app = typer.Typer(
     name="msmrta",
@@ -22,7 +22,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for group in (missions, models, programs, compare):
+for group in (missions, exact, models, programs, compare):
     group.register(app)
 
 
@@ -49,9 +49,14 @@ def run(arguments: list[str]) -> int:
         # The reader, such as `head`, has gone; nothing is left to say, also not at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        # A full disk, a name too long: the system's own words, which name the file.
+        return _complain(error, 2)
     return status if isinstance(status, int) else 0
 
 
 def _complain(problem: object, status: int) -> int:
-    print(f"error: {' '.join(str(problem).split())}", file=sys.stderr)
+    # Without any arguments the help has been shown, and nothing is left to say.
+    if text := " ".join(str(problem).split()):
+        print(f"error: {text}", file=sys.stderr)
     return status

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -32,13 +33,13 @@ def compare(
     solvers: Annotated[
         list[str] | None, typer.Option(help="Solvers.  [default: auto and all installed]")
     ] = None,
-    seeds: Annotated[list[int] | None, typer.Option(help="The solvers' seeds.")] = None,
+    seeds: Annotated[list[str] | None, typer.Option(help="The solvers' seeds.")] = None,
     psi: Annotated[float, typer.Option(help="ψ of Eq. 1, 0 to 1.")] = 0.95,
     beta: Annotated[float, typer.Option(help="β of Eq. 2, 0 to 1.")] = 0.5,
     time_limit: Annotated[float, typer.Option(help="Seconds per solve.")] = 60.0,
-    memory_limit: Annotated[float, typer.Option(help="MiB per solve.")] = 4096.0,
+    memory_limit: Annotated[float, typer.Option(help="MiB per solve.", min=1)] = 4096.0,
     gap: Annotated[float | None, typer.Option(help="Relative gap to stop at.")] = None,
-    jobs: Annotated[int, typer.Option(help="Solves at a time; 1 for comparable times.")] = 1,
+    jobs: Annotated[int, typer.Option(help="Solves at a time; 1 for comparable times.", min=1)] = 1,
     scores: Annotated[
         bool, typer.Option("--scores/--no-scores", help="Measure the plans that come of each.")
     ] = True,
@@ -57,7 +58,6 @@ def compare(
     """Compare formulations and solvers on instances, each solve in a process of its own."""
     from tqdm import tqdm
 
-    from ..optimise import registry
     from ..stages.options import StagedOptions
     from ..studies import compare as study
     from ..studies.regression import changes, read_baseline, save_baseline
@@ -65,22 +65,17 @@ def compare(
     from .outputs import check_outputs
 
     check_outputs(csv, parquet, json, save, figure=figure)
+    _check_options(parquet, against, slower)
     baseline = None if against is None else read_baseline(against)
-    folders = [name for name in models or [] if Path(name).is_dir()]
-    for folder in folders:
-        registry.add_models(folder)
-    names = [name for entry in models or [] if entry not in folders for name in entry.split(",")]
-    if folders and not names:
-        inside = {path.stem for folder in folders for path in Path(folder).glob("[!_]*.py")}
-        names = [item.name for item in registry.listings(stage) if item.name in inside]
+    names = _names(models, stage)
     options = StagedOptions.of(psi=psi, beta=beta)
     missions = study.read_instances(instances)
     todo = study.cases(
         missions,
         stage=stage,
         models=names,
-        solver_names=[name for entry in solvers or [] for name in entry.split(",")],
-        seeds=seeds or (),
+        solver_names=_split(solvers),
+        seeds=_whole_numbers(seeds),
         options=options,
         time_limit=time_limit,
         gap=gap,
@@ -89,10 +84,10 @@ def compare(
     measured: list[Score] = []
     interrupted = False
     try:
-        finished = study.compare(todo, jobs=jobs, memory_limit=memory_limit)
-        bar = tqdm(finished, total=len(todo), desc="solving", unit="solve", disable=None)
-        for row in bar:
-            rows.append(row)  # noqa: PERF402 - what is finished stays if Ctrl-C ends the loop
+        with closing(study.compare(todo, jobs=jobs, memory_limit=memory_limit)) as finished:
+            bar = tqdm(finished, total=len(todo), desc="solving", unit="solve", disable=None)
+            for row in bar:
+                rows.append(row)  # noqa: PERF402 - what is finished stays if Ctrl-C ends the loop
         if scores:
             measured = _scores(missions, stage, rows, options, time_limit, memory_limit)
     except KeyboardInterrupt:
@@ -125,11 +120,72 @@ def compare(
         if not different:
             console().print(f"nothing has changed against {against}")
         failed += different
-    if not failed:
-        console().print("all solves agree", style="green")
+    silent = [row for row in rows if row.status in ("error", "skipped")]
     wrong = [row for row in rows if row.check not in ("", "passed")]
-    if failed or wrong:
+    if silent:
+        console().print(f"{len(silent)} of {len(rows)} solves gave no answer", style="yellow")
+    if wrong:
+        console().print(f"{len(wrong)} solves failed their check", style="bold red")
+    if len(silent) < len(rows) and not failed and not wrong:
+        console().print("all answers agree", style="green")
+    if failed or wrong or len(silent) == len(rows):
         raise typer.Exit(1)
+
+
+def _check_options(parquet: Path | None, against: Path | None, slower: float | None) -> None:
+    """Refuse, before any work, what could only be ignored or fail at the end."""
+    from importlib.util import find_spec
+
+    from ..mission.errors import InputError
+
+    if parquet is not None and find_spec("pyarrow") is None:
+        raise InputError("needs pyarrow; pip install 'msmrta_opt[parquet]'", field="--parquet")
+    if slower is not None and (against is None or not slower > 0):
+        raise InputError(
+            f"{slower:g}; give a ratio above 0, together with --against", field="--slower"
+        )
+
+
+def _split(entries: list[str] | None) -> list[str]:
+    return [name for entry in entries or [] for name in entry.split(",")]
+
+
+def _whole_numbers(entries: list[str] | None) -> list[int]:
+    from ..mission.errors import InputError
+
+    try:
+        return [int(text) for text in _split(entries)]
+    except ValueError:
+        raise InputError(
+            f"{', '.join(entries or [])}; give whole numbers", field="--seeds"
+        ) from None
+
+
+def _names(entries: list[str] | None, stage: str) -> list[str]:
+    """The formulations that `entries` name, those of their folders included; empty for all.
+
+    Raises
+    ------
+    InputError
+        If the folders have none of the stage, or one whose name is taken.
+    """
+    from ..mission.errors import InputError
+    from ..optimise import registry
+
+    folders = [entry for entry in entries or [] if Path(entry).is_dir()]
+    for folder in folders:
+        registry.add_models(folder)
+    names = _split([entry for entry in entries or [] if entry not in folders])
+    places = {Path(folder).resolve() for folder in folders}
+    taken: dict[str, Path] = {}
+    for item in registry.listings():
+        first = taken.setdefault(item.name, item.path)
+        if item.path != first and item.path.parent in places:
+            raise InputError(item.error, field="--models", file=item.path)
+    inside = [item for item in registry.listings(stage) if item.path.parent in places]
+    if folders and not names and not inside:
+        raise InputError(f"no formulation of stage {stage!r}", field="--models", file=folders[0])
+    return names or [item.name for item in inside]
 
 
 def _scores(

@@ -1,11 +1,14 @@
-"""Commands about missions: plan, check, scout."""
+"""Commands about missions: plan, planners, check, scout."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from ..planners.base import Planner
 
 InstanceFile = Annotated[Path, typer.Argument(help="An instance file.", metavar="INSTANCE")]
 Json = Annotated[Path | None, typer.Option("--json", help="Write the result here, as JSON.")]
@@ -15,7 +18,7 @@ Seed = Annotated[int | None, typer.Option(help="Of all random choices.  [default
 
 def register(app: typer.Typer) -> None:
     """Add this file's commands to `app`."""
-    for command in (plan, check, scout):
+    for command in (plan, planners, check, scout):
         app.command()(command)
 
 
@@ -36,10 +39,19 @@ def plan(
         list[str] | None,
         typer.Option(help="Any other option of the planner, as NAME=VALUE.", metavar="NAME=VALUE"),
     ] = None,
+    improve: Annotated[
+        float | None,
+        typer.Option(help="Then improve the plan by local search.", metavar="SECONDS"),
+    ] = None,
+    objective: Annotated[
+        str | None,
+        typer.Option(help="What to improve: total_time, makespan or latency."),
+    ] = None,
     json: Json = None,
     figure: Figure = None,
 ) -> None:
     """Plan a mission, and print its tables, its metrics and the proofs behind them."""
+    from ..mission.errors import InputError
     from ..mission.instance import Instance
     from ..planners import plan as make_plan
     from .outputs import check_outputs, named_values
@@ -54,9 +66,14 @@ def plan(
         "victim_model": victim_model,
         "seed": seed,
         "through_centre": through_centre,
-        **named_values(option),
+        "improve": improve,
+        "objective": objective,
     }
-    options = {name: value for name, value in given.items() if value is not None}
+    options: dict[str, Any] = {name: x for name, x in given.items() if x is not None}
+    for name, value in named_values(option).items():
+        if name in options or name in ("instance", "planner"):
+            raise InputError(f"{name!r} is already given; give it once", field="--option")
+        options[name] = value
     made = make_plan(Instance.read(instance), planner=planner, **options)
     show_plan(made)
     if json is not None:
@@ -67,6 +84,42 @@ def plan(
 
         save_figure(made.plot(), figure)
         typer.echo(f"picture written to {figure}")
+
+
+def planners() -> None:
+    """List the planners with their options and defaults."""
+    from ..planners import planners as all_planners
+    from .console import table
+
+    rows = [
+        (
+            planner.name,
+            planner.title,
+            ", ".join(f"{name}={_plain(value)}" for name, value in _options(planner).items()),
+        )
+        for planner in all_planners().values()
+    ]
+    table("Planners", ["name", "what it is", "options"], rows)
+
+
+def _options(planner: Planner) -> dict[str, object]:
+    """The options of a planner, with their defaults."""
+    import inspect
+
+    from ..stages.options import StagedOptions
+
+    _, *parameters = inspect.signature(planner.run).parameters.values()
+    options = {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
+    if any(p.kind is p.VAR_KEYWORD for p in parameters):
+        options |= StagedOptions().as_dict()
+    return options
+
+
+def _plain(value: object) -> str:
+    """A default as ``--option`` takes it."""
+    import json
+
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def check(

@@ -40,6 +40,7 @@ def models(
     stage: Annotated[str | None, typer.Option(help="Only those of this stage.")] = None,
 ) -> None:
     """List the formulations, broken files included."""
+    from ..mission.errors import InputError
     from ..optimise import registry
     from .console import say, table
 
@@ -49,6 +50,9 @@ def models(
         from ..mission.instance import Instance
 
         mission = Instance.read(instance)
+    known = {item.formulation.spec.stage for item in registry.listings() if item.formulation}
+    if stage is not None and stage not in known:
+        raise InputError(f"{stage!r}; give one of {', '.join(sorted(known))}", field="--stage")
     found = list(registry.listings(stage))
     columns = ["name", "stage", "what it is", "parameters"]
     rows = [(*_about(item), *(_size(item, mission) if mission else ())) for item in found]
@@ -158,13 +162,15 @@ def new_model(
     folders: Folders = None,
 ) -> None:
     """Copy a formulation to a new file, to edit."""
+    from keyword import iskeyword
+
     from ..mission.errors import InputError
     from ..mission.files import read_text, write_text
     from ..optimise import registry
     from .console import say
 
     add_folders(folders)
-    if not name.isidentifier() or name.startswith("_"):
+    if not name.isidentifier() or iskeyword(name) or name.startswith("_"):
         raise InputError(f"{name!r}; give a Python name such as cluster_mine", field="NAME")
     if to is not None:
         registry.add_models(to)
@@ -176,7 +182,8 @@ def new_model(
         raise InputError("the installed formulations are not to be edited; give --to DIR")
     path = (to or original.path.parent) / f"{name}.py"
     write_text(path, read_text(original.path))
-    say(f"{path} is a copy of {source}: edit it, then `msmrta show {name}`")
+    where = f" --models {to}" if to else ""
+    say(f"{path} is a copy of {source}: edit it, then `msmrta show {name}{where}`")
 
 
 def solvers() -> None:

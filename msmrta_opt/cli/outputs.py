@@ -79,15 +79,22 @@ def named_values(texts: Iterable[str] | None) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If one has no ``=``.
+        If one has no name or no ``=``, is given twice, or is a list or an object, which no option is.
     """
     values: dict[str, Any] = {}
     for text in texts or ():
         name, equals, value = text.partition("=")
-        if not equals:
+        name = name.strip().replace("-", "_")
+        if not (equals and name):
             raise InputError(f"{text!r}; give NAME=VALUE", field="--option")
+        if name in values:
+            raise InputError(f"{name!r} is given twice; give it once", field="--option")
         try:
-            values[name.replace("-", "_")] = json.loads(value)
+            values[name] = json.loads(value)
         except json.JSONDecodeError:
-            values[name.replace("-", "_")] = value
+            values[name] = value
+        if isinstance(values[name], (list, dict)):
+            raise InputError(
+                f"{text!r}; give a number, a word, true, false or null", field="--option"
+            )
     return values

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from ..mission.instance import Instance
 from ..mission.plan import Plan
+from ..planners.improvement import STAGE as IMPROVED
 from ..stages.requirement_analysis import requirement_analysis
 from .console import number, say, seconds, table
 
@@ -71,7 +72,8 @@ def _robots(plan: Plan) -> None:
     instance = plan.instance
     analysis = requirement_analysis(instance.P, instance.Q)
     stages = list(dict.fromkeys(v.stage for route in plan.routes for v in route.visits))
-    stages = sorted({"B2", "B3", "B4", *stages}) if plan.clusters else stages
+    if plan.clusters and IMPROVED not in stages:
+        stages = sorted({"B2", "B3", "B4", *stages})
     ids = [victim.id for victim in instance.victims]
     rows = []
     for r, robot in enumerate(instance.robots):
@@ -138,6 +140,7 @@ def _metrics(plan: Plan) -> None:
         ("distance", f"{m.distance} cells ({per_robot})"),
         ("total time, travel and service", f"{number(m.total_time)} time units"),
         ("makespan", f"{number(m.makespan)} time units"),
+        ("latency, completion times summed by priority", f"{number(m.latency)} time units"),
         ("mean completion time of victims", f"{number(m.mean_completion)} time units"),
         ("the same, weighted by priority", f"{number(m.weighted_completion)} time units"),
     ]

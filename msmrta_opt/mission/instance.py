@@ -158,7 +158,9 @@ class Instance(_Record):
             _known_kind(at("service_time", kind), kind, kinds)
         for kind in kinds:
             if kind not in self.service_time:
-                raise InputError(f"no time for kind {kind!r}; give one for each", field="service_time")
+                raise InputError(
+                    f"no time for kind {kind!r}; give one for each", field="service_time"
+                )
         for group, members in (
             ("robots", self.robots),
             ("victims", self.victims),

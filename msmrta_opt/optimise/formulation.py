@@ -19,7 +19,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Stage = Literal["clustering", "cluster", "victim", "joint"]
+Stage = Literal["clustering", "cluster", "victim", "joint", "routing"]
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int64]
@@ -48,7 +48,8 @@ class Spec:
     ----------
     stage : str
         Which data it takes: ``clustering`` takes `ClusteringData`, ``cluster`` `ClusterData`,
-        ``victim`` `VictimData`, ``joint`` `JointAssignmentData`.
+        ``victim`` `VictimData`, ``joint`` `JointAssignmentData`, ``routing``
+        `routing.data.RoutingData`.
     title : str
         One line for lists.
     parameters : dict of str to Parameter

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import math
 import pkgutil
 from functools import cache
+from numbers import Real
 from typing import Any
 
 from ..mission.check import check_plan
@@ -48,20 +50,21 @@ def plan(
         Improve the plan by local search: ``True`` for a fixed number of steps, which the same seed
         repeats; a number for that many seconds.
     objective : {"total_time", "makespan", "latency"}, optional
-        What to improve, and what ``exact`` minimises; total time by default.
+        What to improve, and what a planner with an objective minimises; total time by default.
     **options
         The planner's own; for ``msmrta`` those of `options.StagedOptions`, and ``preset``.
 
     Raises
     ------
     InputError
-        If the planner or an option is unknown or out of range.
+        If the planner or an option is unknown or out of range, or nothing would heed `objective`.
     CheckError
         If the plan fails its independent check, which would be a defect of the planner.
     """
     known = planners()
     if planner not in known:
         raise InputError(f"{planner!r}; give one of {', '.join(known)}", field="planner")
+    _check_improve(improve)
     run = known[planner].run
     takes = inspect.signature(run).parameters
     if not any(parameter.kind is parameter.VAR_KEYWORD for parameter in takes.values()):
@@ -75,11 +78,14 @@ def plan(
         check_objective(objective)
         if "objective" in takes:
             options["objective"] = objective
+        elif improve is False:
+            raise InputError(
+                f"planner {planner} has no objective of its own; give improve with it",
+                field="objective",
+            )
     made = check_plan(run(instance, **options))
     if improve is False:
         return made
-    if improve is not True and not improve >= 0:
-        raise InputError(f"{improve!r}; give seconds, 0 or more", field="improve")
     return check_plan(
         improve_plan(
             made,
@@ -88,3 +94,11 @@ def plan(
             seed=options.get("seed", 0),
         )
     )
+
+
+def _check_improve(improve: object) -> None:
+    if not (isinstance(improve, Real) and 0 <= float(improve) < math.inf):
+        raise InputError(
+            f"{improve!r}; give true, false, or a finite number of seconds, 0 or more",
+            field="improve",
+        )

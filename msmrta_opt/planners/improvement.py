@@ -74,7 +74,7 @@ def _value(plan: Plan, objective: Objective) -> float:
 
 def check_objective(objective: str) -> None:
     """Refuse an objective that there is not."""
-    if objective not in OBJECTIVES:
+    if not isinstance(objective, str) or objective not in OBJECTIVES:
         raise InputError(f"{objective!r}; give one of {', '.join(OBJECTIVES)}", field="objective")
 
 

@@ -21,6 +21,7 @@ the time is the algorithm and how much the search.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +69,7 @@ def run(
     if distances not in DISTANCES:
         raise InputError(f"{distances!r}; give one of {', '.join(DISTANCES)}", field="distances")
     for name, value in {"alpha": alpha, "beta": beta}.items():
-        if not 0 <= value <= 1:
+        if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= value <= 1:
             raise InputError(f"{value!r}; give a number from 0 to 1", field=name)
     return plan_by(
         lambda situation: allocate(situation, distances, alpha, beta, seed),

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass, fields
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +20,8 @@ from ..optimise import registry, solvers
 from ..optimise.formulation import ClusterData
 from ..optimise.solution import Solution, Status
 from ..optimise.solve import AUTO, solve
-from ..stages.data import stage_data
+from ..optimise.solvers import Options
+from ..stages.data import STAGES, stage_data
 from ..stages.options import StagedOptions
 from .isolate import Failure, run_isolated
 
@@ -31,6 +34,8 @@ GRACE_SECONDS = 20.0
 """Time beyond the solver's limit after which a solve is killed; building is included."""
 SHIFT_SECONDS = 0.01
 """Shift of the geometric means of solving times."""
+LIBRARIES = ("highspy", "networkx", "scipy.optimize", "scipy.sparse.csgraph", "sklearn.cluster")
+"""What stages and solvers import when first used; loading it once for all saves most of the time."""
 
 
 @dataclass(frozen=True)
@@ -101,20 +106,23 @@ def cases(
     Raises
     ------
     InputError
-        If a solver or a model is unknown, or there is nothing to compare.
+        If a stage, a solver or a model is unknown, a limit or seed out of range, or there is nothing
+        to compare.
     """
+    if stage not in STAGES:
+        raise InputError(f"no stage {stage!r}; there are {', '.join(STAGES)}", field="stage")
+    for seed in seeds or (None,):
+        Options(time_limit=time_limit, gap=gap, seed=seed)
     known = {item.name: item for item in registry.listings()}
     for name in models:
         if name not in known:
             registry.get(name)
-    chosen = list(models) or [item.name for item in registry.listings(stage)]
+    chosen = dict.fromkeys(models or (item.name for item in registry.listings(stage)))
     for name in solver_names:
         if name != AUTO:
             solvers.get(name)
-    names = list(solver_names) or [
-        AUTO,
-        *(name for name, solver in solvers.solvers().items() if solver.installed),
-    ]
+    installed = (name for name, solver in solvers.solvers().items() if solver.installed)
+    names = dict.fromkeys(solver_names or (AUTO, *installed))
     if not instances or not chosen:
         raise InputError(f"no instance or no formulation of stage {stage!r}", field="compare")
     folders = tuple(str(folder) for folder in registry.folders())
@@ -131,14 +139,18 @@ def cases(
             gap,
             folders,
         )
-        for instance, model, solver, seed in product(instances, chosen, names, seeds or (None,))
+        for instance, model, solver, seed in product(
+            instances, chosen, names, dict.fromkeys(seeds or (None,))
+        )
     ]
 
 
 def compare(
     todo: Sequence[Case], *, jobs: int = 1, memory_limit: float | None = None
-) -> Iterator[Row]:
+) -> Generator[Row, None, None]:
     """Solve each of `todo` by itself; rows come as they are finished.
+
+    Closing the iterator ends what is still being solved.
 
     Parameters
     ----------
@@ -159,16 +171,25 @@ def compare(
         memory_limit=memory_limit,
         preload=("msmrta_opt.studies.compare", *_modules_of(case.solver for case in todo)),
     )
-    for index, result in results:
-        case = todo[index]
-        yield _failed(case, result) if isinstance(result, Failure) else _row(case, *result)
+    with closing(results):
+        for index, result in results:
+            case = todo[index]
+            yield _failed(case, result) if isinstance(result, Failure) else _row(case, *result)
+
+
+def solve_here(case: Case) -> Row:
+    """Solve one case in this process: quicker, but nothing stops it or survives its crash."""
+    try:
+        return _row(case, *solve_case(case))
+    except MsmrtaError as error:
+        return _failed(case, Failure("raised", str(error)))
 
 
 def _modules_of(names: Iterable[str]) -> list[str]:
     """What the solvers import when they first solve; loading it is not solving time."""
     known = solvers.solvers()
     used = {known[name].module for name in names if name != AUTO}
-    return sorted({"highspy", "scipy.optimize", "scipy.sparse.csgraph", *used})
+    return sorted({*LIBRARIES, *used})
 
 
 def solve_case(case: Case) -> tuple[Solution, float]:
@@ -213,6 +234,7 @@ def solve_case(case: Case) -> tuple[Solution, float]:
     return solution, time.perf_counter() - began
 
 
+@cache
 def _warm_up(solver: str) -> None:
     """Solve a tiny program first: what a library does once per process is not solving time."""
     tiny = ClusterData(np.eye(2), np.eye(2), np.ones(2, dtype=np.int64))
@@ -279,7 +301,7 @@ def disagreements(rows: Sequence[Row], tolerance: float = TOLERANCE) -> list[str
     """Where solves of one formulation on one instance contradict each other, one line each.
 
     Two optima differ, a feasible value is better than a proven bound, or one solve proves a
-    program infeasible for which another has a point.
+    program infeasible or unbounded for which another has a point or a bound.
     """
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
@@ -289,6 +311,7 @@ def disagreements(rows: Sequence[Row], tolerance: float = TOLERANCE) -> list[str
         values = [row for row in group if row.objective is not None]
         bounds = [row for row in group if row.bound is not None]
         refused = [row for row in group if row.status == "infeasible"]
+        endless = [row for row in group if row.status == "unbounded"]
         for value, bound in product(values, bounds):
             sign = 1.0 if bound.sense == "min" else -1.0
             slack = tolerance * max(1.0, abs(value.objective or 0.0))
@@ -301,6 +324,12 @@ def disagreements(rows: Sequence[Row], tolerance: float = TOLERANCE) -> list[str
             found.append(
                 f"{model} on {instance}: {refused[0].solver} proves it infeasible, but"
                 f" {values[0].solver} has {values[0].objective:.9g}"
+            )
+        if endless and (refused or bounds):
+            other = (refused or bounds)[0]
+            found.append(
+                f"{model} on {instance}: {endless[0].solver} proves it unbounded, but"
+                f" {other.solver} has it {other.status}"
             )
     return found
 

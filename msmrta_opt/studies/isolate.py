@@ -10,17 +10,21 @@ import multiprocessing
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
+from types import ModuleType
 from typing import Any, Literal
 
 import psutil
 
-from ..mission.errors import MsmrtaError
+from ..mission.errors import InputError, MsmrtaError
 
 POLL_SECONDS = 0.02
-"""How often memory and time are looked at."""
+"""How often runs are looked at."""
+MEMORY_SECONDS = 0.1
+"""How often their memory is, which takes longer to find out."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class _Run:
     process: Any
     receiver: Connection
     began: float
-    peak: int = 0
+    weighed: float = 0.0
 
 
 def run_isolated(
@@ -48,7 +52,7 @@ def run_isolated(
     time_limit: float | None = None,
     memory_limit: float | None = None,
     preload: Sequence[str] = (),
-) -> Iterator[tuple[int, Any]]:
+) -> Generator[tuple[int, Any], None, None]:
     """Call ``function(*call)`` for each of `calls`, each in a process of its own.
 
     Parameters
@@ -62,7 +66,7 @@ def run_isolated(
     time_limit : float, optional
         Seconds after which a run is killed.
     memory_limit : float, optional
-        MiB of resident memory past which a run is killed.
+        MiB of resident memory past which a run is killed, that of its own children included.
     preload : sequence of str
         Modules that all processes share.
 
@@ -71,7 +75,19 @@ def run_isolated(
     index, result
         As they finish: the position in `calls`, and what the function returned or a `Failure`.
         Closing the iterator kills what still runs.
+
+    Raises
+    ------
+    InputError
+        If `jobs` or a limit is not positive.
     """
+    for name, value in {
+        "jobs": jobs,
+        "time_limit": time_limit,
+        "memory_limit": memory_limit,
+    }.items():
+        if value is not None and not value > 0:
+            raise InputError(f"{value!r}; give more than 0", field=name)
     context = _context(preload)
     waiting = list(enumerate(calls))[::-1]
     running: list[_Run] = []
@@ -102,9 +118,25 @@ def _context(preload: Sequence[str]) -> Any:
 def _start(context: Any, function: Callable[..., Any], index: int, call: tuple[Any, ...]) -> _Run:
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(target=_call, args=(sender, function, call), daemon=True)
-    process.start()
+    with _without_main():
+        process.start()
     sender.close()
     return _Run(index, process, receiver, time.monotonic())
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Hide the main script, which a new process would otherwise run again.
+
+    What runs there is a module's function, and a script may come without a guard, or from standard
+    input, where it cannot be found again.
+    """
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 def _call(sender: Connection, function: Callable[..., Any], call: tuple[Any, ...]) -> None:
@@ -119,27 +151,38 @@ def _call(sender: Connection, function: Callable[..., Any], call: tuple[Any, ...
     except Exception as error:
         # Whatever a user's model raises is news about that run, not the end of the others.
         message = ("failure", Failure("raised", f"{type(error).__name__}: {error}"))
-    sender.send(message)
+    try:
+        sender.send(message)
+    except Exception as error:
+        # Pickling comes before sending, so nothing has been sent yet.
+        said = f"the result cannot be sent ({type(error).__name__}: {error})"
+        sender.send(("failure", Failure("raised", said)))
     sender.close()
 
 
 def _look(run: _Run, time_limit: float | None, memory_limit: float | None) -> tuple[Any] | None:
     """What `run` has come to, in a tuple; ``None`` while it goes on."""
+    # In this order: a run that answers and ends between the two questions has answered.
+    alive = run.process.is_alive()
     if run.receiver.poll():
         try:
             _, result = run.receiver.recv()
         except (EOFError, OSError):
             return (_post_mortem(run),)
+        except Exception as error:
+            result = Failure(
+                "raised", f"the result cannot be read ({type(error).__name__}: {error})"
+            )
         _end(run)
         return (result,)
-    if not run.process.is_alive():
+    if not alive:
         return (_post_mortem(run),)
     if time_limit is not None and time.monotonic() - run.began > time_limit:
         _end(run)
         return (Failure("timed out", f"killed after {time_limit:g} s"),)
-    if memory_limit is not None:
-        run.peak = max(run.peak, _resident(run.process.pid))
-        if run.peak > memory_limit * 2**20:
+    if memory_limit is not None and time.monotonic() - run.weighed > MEMORY_SECONDS:
+        run.weighed = time.monotonic()
+        if _resident(run.process.pid) > memory_limit * 2**20:
             _end(run)
             return (Failure("out of memory", f"killed past {memory_limit:g} MiB"),)
     return None
@@ -155,10 +198,17 @@ def _post_mortem(run: _Run) -> Failure:
 
 
 def _resident(pid: int) -> int:
+    """Bytes of process `pid` and of its children: some solvers work in a process of their own."""
     try:
-        return int(psutil.Process(pid).memory_info().rss)
+        process = psutil.Process(pid)
+        family = [process, *process.children(recursive=True)]
     except psutil.Error:
         return 0
+    total = 0
+    for member in family:
+        with suppress(psutil.Error):
+            total += int(member.memory_info().rss)
+    return total
 
 
 def _end(run: _Run) -> None:

@@ -44,7 +44,8 @@ def performance_profile(rows: Sequence[Row], ax: Axes | None = None) -> Axes:
     ax.set_ylabel("programs solved to optimality (%)")
     ax.set_title(f"Performance profile over {n_programs} programs")
     ax.grid(alpha=0.3)
-    ax.legend(title="solver (programs solved)", loc="lower right")
+    if ratios:
+        ax.legend(title="solver (programs solved)", loc="lower right")
     return ax
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import fields
 from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
 
 from ..mission.errors import InputError
 from ..mission.files import read_text, write_text
@@ -36,13 +37,12 @@ def read_baseline(path: str | Path) -> list[Row]:
         raise InputError(f"broken JSON: {error}", file=path) from None
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise InputError(f"not a comparison; its format should be {FORMAT!r}", file=path)
-    names = {field.name for field in fields(Row)}
     try:
-        return [Row(**{k: v for k, v in row.items() if k in names}) for row in document["rows"]]
-    except (AttributeError, KeyError, TypeError) as error:
-        raise InputError(
-            f"a row is not that of a solve ({error})", field="rows", file=path
-        ) from None
+        return TypeAdapter(list[Row]).validate_python(document.get("rows"))
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = "".join(f"[{i}]" if isinstance(i, int) else f".{i}" for i in first["loc"])
+        raise InputError(first["msg"], field=f"rows{place}", file=path) from None
 
 
 def changes(

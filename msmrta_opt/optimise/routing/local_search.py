@@ -104,9 +104,9 @@ class _Search:
         self.service = [float(data.service[v, k]) for v, k in required]
         self.able = [[int(r) for r in np.flatnonzero(data.able[:, v, k])] for v, k in required]
         # Plain lists: reading single numbers from numpy arrays is several times slower.
-        self.leave = data.leave.tolist()
-        self.between = data.between.tolist()
-        self.back = data.back.tolist()
+        self.leave: list[list[float]] = data.leave.tolist()
+        self.between: list[list[list[float]]] = data.between.tolist()
+        self.back: list[list[float]] = data.back.tolist()
         self.endurance = data.endurance.tolist()
         self.longest_walk = data.longest_walk.tolist()
         self.priority = data.priority.tolist()

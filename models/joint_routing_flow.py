@@ -1,0 +1,111 @@
+"""Who serves what and in which order, in one program; a flow keeps each route in one piece.
+
+A robot leaves its start with one unit for every victim that it is to visit and drops one at each: what
+this flow does not reach is not visited, so no route closes into a cycle of its own.
+
+Sets        robots r; victims v, j; kinds k; places i: the victims, or ∅, the robot's start
+Data        d_rij   travel of robot r from place i to victim j, in time units
+            b_rv    travel of robot r from victim v back to its start, 0 if it need not return
+            s_vk    service time of kind k at victim v, in time units
+            g_rvk   1 if r can reach v and serve kind k there, else 0
+            g_rij   1 if r can serve something at j ≠ i, and at i if that is a victim, else 0
+            m_ri    Σ_j g_rij, the number of victims that r can go to from place i
+            D_r     longest travel of robot r, in time units
+            E_r     longest time that robot r may be busy, in time units
+Parameter   w in [0, 1], the importance of the makespan over the total time
+Variables   x_rij in {0, g_rij}: robot r goes from place i to victim j
+            y_rv in {0, 1}: robot r visits victim v
+            a_rvk in {0, g_rvk}: robot r serves kind k at victim v
+            f_rij ≥ 0: how many visits robot r has before it on the way from place i to victim j
+            T: the makespan
+
+    min   (1 − w) Σ_r B_r + w T
+    s.t.  Σ_r a_rvk = max_r g_rvk   for all v, k      each requirement is served exactly once
+          a_rvk ≤ y_rv              for all r, v, k   robots serve where they are
+          y_rv ≤ Σ_k a_rvk          for all r, v      … and visit nobody for nothing
+          Σ_i x_rij = y_rj          for all r, j      a visit has one way in
+          Σ_j x_rvj ≤ y_rv          for all r, v      … and at most one way on
+          Σ_j x_r∅j ≤ 1             for all r         a robot leaves its start at most once
+          Σ_i f_rij − Σ_v f_rjv = y_rj   for all r, j   a visit takes one unit of the flow
+          f_rij ≤ m_ri x_rij        for all r, i, j   the flow goes where the robot goes
+          f_rij ≥ x_rij             for all r, i, j   … and reaches as far; the others imply it, but
+                                                      not their relaxation
+          B_r ≤ T                   for all r         no robot is done after the makespan
+          W_r ≤ D_r                 for all r         no robot travels for longer than it may
+          B_r ≤ E_r                 for all r         … or is busy for longer
+    with  W_r = Σ_i Σ_j d_rij x_rij + Σ_v b_rv (y_rv − Σ_j x_rvj), the travel of robot r: where there
+                is no way on, its way back begins
+          B_r = W_r + Σ_v Σ_k s_vk a_rvk, when robot r is done
+
+No limits   D_r and E_r are then what the longest of routes could take.
+Size        N M (2 M + L + 3) + 1 variables, M (L + N (2 M + L + 6)) + 4 N rows, for L kinds. NP-hard:
+            one robot that serves everything is a travelling salesman.
+Source      Gavish and Graves (1978), "The travelling salesman problem and related problems", for the
+            flow. All decisions of Osooli et al. (2023), Algorithm 1, at once.
+"""
+
+import cvxpy as cp
+import numpy as np
+
+from msmrta_opt.optimise.formulation import Parameter, Spec
+from msmrta_opt.optimise.routing.data import RoutingData
+
+SPEC = Spec(
+    stage="routing",
+    title="The joint problem by flows: total time, makespan, or between them",
+    parameters={"w": Parameter(0.0, 1.0, 0.0, "importance of the makespan over the total time")},
+    assumes="the robots' limits leave room for a plan that serves everything",
+)
+
+
+def build(data: RoutingData) -> cp.Problem:
+    """The program for `data`; answers with ``x``, ``y`` and ``a``. The start is the last place."""
+    w = cp.Parameter(nonneg=True, name="w")
+    n_victims = data.n_victims
+    here = np.pad(data.can_visit, ((0, 0), (0, 1)), constant_values=True)
+    can_go = here[:, :, None] & data.can_visit[:, None, :]
+    can_go &= ~np.eye(n_victims + 1, n_victims, dtype=bool)
+    x = cp.Variable(can_go.shape, boolean=True, bounds=[0, can_go], name="x")
+    y = cp.Variable(data.can_visit.shape, boolean=True, name="y")
+    a = cp.Variable(data.able.shape, boolean=True, bounds=[0, data.able], name="a")
+    f = cp.Variable(can_go.shape, bounds=[0, None], name="f")
+    makespan = cp.Variable(name="makespan")
+
+    travel = np.concatenate([data.between, data.leave[:, None, :]], axis=1)
+    onward = cp.sum(x[:, :n_victims, :], axis=2)
+    walked = cp.sum(cp.multiply(travel, x), axis=(1, 2))
+    walked += cp.sum(cp.multiply(data.back, y - onward), axis=1)
+    busy = walked + cp.sum(cp.multiply(data.service[None], a), axis=(1, 2))
+    ahead = np.asarray(can_go.sum(axis=2, keepdims=True), float)
+    passed = cp.sum(f, axis=1) - cp.sum(f[:, :n_victims, :], axis=2)
+    farthest = (travel * can_go).max(axis=1).sum(axis=1) + data.back.max(axis=1)
+    longest_walk = np.minimum(data.longest_walk, farthest)
+    service = (data.service * data.able).sum(axis=(1, 2))
+    endurance = np.minimum(data.endurance, longest_walk + service)
+    return cp.Problem(
+        cp.Minimize((1 - w) * cp.sum(busy) + w * makespan),
+        [
+            (cp.sum(a, axis=0) == data.required.astype(int)).set_label(
+                "kind {k} at victim {v} is served exactly once, if any robot can"
+            ),
+            (a <= y[:, :, None]).set_label("robot {r} serves victim {v} with {k} only on a visit"),
+            (y <= cp.sum(a, axis=2)).set_label("robot {r} visits victim {v} only to serve"),
+            (cp.sum(x, axis=1) == y).set_label(
+                "robot {r} has one way to victim {j} that it visits"
+            ),
+            (onward <= y).set_label("robot {r} has at most one way on from victim {v}"),
+            (cp.sum(x[:, n_victims, :], axis=1) <= 1).set_label(
+                "robot {r} leaves its start at most once"
+            ),
+            (passed == y).set_label("robot {r} takes one unit of its flow to victim {j}"),
+            (f <= cp.multiply(ahead, x)).set_label(
+                "robot {r} has visits before it from place {i} to victim {j} only if it goes there"
+            ),
+            (f >= x).set_label(
+                "robot {r} has a visit before it if it goes from place {i} to victim {j}"
+            ),
+            (busy <= makespan).set_label("robot {r} is done by the makespan"),
+            (walked <= longest_walk).set_label("robot {r} travels no longer than it may"),
+            (busy <= endurance).set_label("robot {r} is busy no longer than it may"),
+        ],
+    )

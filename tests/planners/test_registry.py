@@ -1,0 +1,85 @@
+"""The one call for all planners: what it finds, and what it refuses."""
+
+from __future__ import annotations
+
+import pytest
+
+from msmrta_opt.mission.errors import CheckError, InputError
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.plan import Plan
+from msmrta_opt.planners import plan, planners
+from msmrta_opt.planners.base import Planner
+
+
+@pytest.fixture
+def corridor(instances_dir: object) -> Instance:
+    return Instance.read(f"{instances_dir}/corridor.json")
+
+
+def test_planners_are_known_by_their_names() -> None:
+    found = planners()
+    assert {"msmrta", "mrga", "greedy", "ssi", "random"} <= set(found)
+    assert all(name == planner.name and planner.title for name, planner in found.items())
+
+
+def test_the_staged_method_is_the_default(corridor: Instance) -> None:
+    assert plan(corridor).planner == "msmrta"
+
+
+def test_an_unknown_planner_is_refused_with_those_there_are(corridor: Instance) -> None:
+    with pytest.raises(InputError, match=r"^planner: 'best'; give one of .*greedy.*msmrta"):
+        plan(corridor, planner="best")
+
+
+@pytest.mark.parametrize(
+    ("planner", "there"),
+    [
+        ("mrga", "distances, alpha, beta, seed"),
+        ("greedy", "seed"),
+        ("msmrta", "psi, beta, .*shared_table"),
+    ],
+)
+def test_an_unknown_option_is_refused_with_those_there_are(
+    planner: str, there: str, corridor: Instance
+) -> None:
+    with pytest.raises(InputError, match=rf"^colour: .*{there}"):
+        plan(corridor, planner=planner, colour="red")
+
+
+@pytest.mark.parametrize("planner", ["greedy", "mrga", "random", "ssi"])
+@pytest.mark.parametrize("seed", [-1, 2**32, 0.5, "x"])
+def test_a_seed_out_of_range_is_refused(planner: str, seed: object, corridor: Instance) -> None:
+    with pytest.raises(InputError, match=r"^seed: ") as caught:
+        plan(corridor, planner=planner, seed=seed)
+    assert repr(seed) in str(caught.value)
+
+
+@pytest.mark.parametrize("improve", [-1, float("nan"), float("inf"), "long", None, [1]])
+def test_an_improve_that_is_no_duration_is_refused(improve: object, corridor: Instance) -> None:
+    with pytest.raises(InputError, match=r"^improve: .* give true, false, or a finite number"):
+        plan(corridor, improve=improve)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("objective", ["cost", "", 3, ["latency"]])
+def test_an_unknown_objective_is_refused(objective: object, corridor: Instance) -> None:
+    with pytest.raises(InputError, match=r"^objective: .* total_time, makespan, latency"):
+        plan(corridor, improve=True, objective=objective)  # type: ignore[arg-type]
+
+
+def test_an_objective_that_nothing_would_heed_is_refused(corridor: Instance) -> None:
+    with pytest.raises(InputError, match=r"^objective: .* give improve with it"):
+        plan(corridor, planner="greedy", objective="makespan")
+
+
+def test_a_plan_that_fails_its_check_is_never_returned(
+    corridor: Instance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lazy(instance: Instance) -> Plan:
+        """Serve nobody, and do not say so."""
+        made = plan(instance)
+        return made.model_copy(update={"routes": (), "planner": "lazy"})
+
+    known = {**planners(), "lazy": Planner("lazy", "does nothing", lazy)}
+    monkeypatch.setattr("msmrta_opt.planners.planners", lambda: known)
+    with pytest.raises(CheckError, match="the plan of 'lazy' fails its check"):
+        plan(corridor, planner="lazy")
