@@ -78,14 +78,14 @@ def test_the_python_of_the_readme_works(workplace: Path) -> None:
 def recipe(target: str) -> str:
     """The commands of a make target, without the installation."""
     printed = subprocess.run(
-        ["make", "--dry-run", "--always-make", target, "VENV=@venv"],
+        ["make", "--dry-run", "--always-make", target, "VENV=THE_VENV"],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=True,
     ).stdout
     return "\n".join(
-        line.replace("@venv/bin/", "")
+        line.replace("THE_VENV/bin/", "")
         for line in printed.splitlines()
         if "-m venv" not in line and "pip install" not in line and "touch" not in line
     )

@@ -25,7 +25,7 @@ def console() -> Console:
 
 def say(text: str = "") -> None:
     """Print a line."""
-    console().print(text, markup=False)
+    console().print(text, markup=False, soft_wrap=True)
 
 
 def table(

@@ -74,6 +74,8 @@ def plan(
                 raise InputError(
                     f"planner {planner} has no such option; it has {there}", field=name
                 )
+    if "objective" in takes and improve is not False:
+        raise InputError(f"planner {planner} improves by itself; leave it out", field="improve")
     if objective is not None:
         check_objective(objective)
         if "objective" in takes:
