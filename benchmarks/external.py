@@ -8,7 +8,9 @@ DIR holds the files as their authors publish them, and in ``expected.json`` the 
 - ``gap/NAME``: OR-Library, generalised assignment, its least and its largest value;
 - ``pmed/NAME.txt``: OR-Library, p-median (Beasley 1985);
 - ``movingai/maps/NAME.map`` and ``movingai/scen/NAME.scen``: shortest 4-connected walks;
-- ``mps/NAME.mps``: linear and integer programs, some infeasible or unbounded.
+- ``mps/NAME.mps``: linear and integer programs, some infeasible or unbounded;
+- ``trp_latency/NAME.txt``: one repairman from the first point, least sum of arrival times;
+- ``mtsp_minmax/NAME``: TSPLIB, several salesmen from the first city and back, least longest tour.
 
 Each program is solved by each solver named (``auto`` without any). The exit status is 1 if a value
 differs, is not proven, or a solver could solve nothing at all; 2 if a file or an option is wrong.
@@ -28,6 +30,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from external_routing import UNPROVEN, by_proof, by_search, one_kind, read_lower_rows, read_points
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 
@@ -49,8 +52,6 @@ Value = float | str
 
 TOLERANCE = 1e-6
 """Relative difference up to which two values are the same."""
-
-UNPROVEN = "not proven"
 
 
 @dataclass(frozen=True)
@@ -191,8 +192,27 @@ def mps(folder: Path, values: dict[str, Any]) -> Iterator[Case]:
         yield Case(name, "as it stands", status if value is None else value, run)
 
 
+def trp_latency(folder: Path, values: dict[str, Any]) -> Iterator[Case]:
+    """The travelling repairman: latency of one robot on an open route."""
+    for name, expected in values.items():
+        if name != "convention":
+            data = one_kind(read_points(folder / f"{name}.txt"), 1, return_to_start=False)
+            run = partial(by_search, data, "latency")
+            yield Case(name, "latency, local search", expected, run, False)
+
+
+def mtsp_minmax(folder: Path, values: dict[str, Any]) -> Iterator[Case]:
+    """Several salesmen: makespan of robots that return."""
+    for item in values["values"]:
+        n_robots, expected = item["m"], item["minmax"]
+        lengths = read_lower_rows(folder / item["instance"])
+        data = one_kind(lengths, n_robots, return_to_start=True)
+        title, run = f"{item['instance']}, {n_robots} tours", partial(by_proof, data, "makespan")
+        yield Case(title, "makespan, strong method", expected, run, False)
+
+
 GROUPS: dict[str, Callable[[Path, dict[str, Any]], Iterator[Case]]] = {
-    group.__name__: group for group in (assign, gap, pmed, movingai, mps)
+    group.__name__: group for group in (assign, gap, pmed, movingai, mps, trp_latency, mtsp_minmax)
 }
 
 

@@ -1,9 +1,9 @@
 """The exact planner: the joint problem, improved from above and bounded from below, at any time.
 
-It starts from the best plan of the quick planners, improved by local search; total time and makespan are
-then closed in on by the strong method (`optimise.routing.strong`), latency by local search above a
-combinatorial bound. It stops at the time limit, at the gap, or at Ctrl-C, always with the best plan and
-what is proven about it.
+It starts from the best plan of the quick planners, improved by local search; total time and makespan
+are then closed in on by the strong method (`optimise.routing.strong`), latency by local search above
+a combinatorial bound. It stops at the time limit, at the gap, or at Ctrl-C, always with the best plan
+and what is proven about it.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from ..optimise.routing.data import Objective, Routes, RoutingData, faults, valu
 from ..optimise.routing.latency import latency_bound
 from ..optimise.routing.local_search import improve
 from ..optimise.routing.strong import Report, strong_bound
+from ..optimise.solve import solve
 from ..stages.joint_routing import routing_data
 from ..stages.options import StagedOptions
 from ..stages.path_planning import path_planning
@@ -42,6 +43,8 @@ SHARE_OF_SEARCH = 0.1
 """Of the time limit, for local search before the bound is sought."""
 SEARCH_PER_VICTIM = 0.05
 """Most seconds per victim of that search."""
+LEAST_SECONDS = 5.0
+"""For a plan to begin with, where limits make that hard: without one there is nothing to answer."""
 
 
 def run(
@@ -80,7 +83,7 @@ def run(
     Raises
     ------
     InputError
-        If an option is wrong, or no plan within the limits of endurance is found.
+        If an option is wrong, or no plan that keeps to the robots' limits exists or is found.
     """
     check_objective(objective)
     for name, number in {"time_limit": time_limit, "gap": gap}.items():
@@ -147,7 +150,7 @@ def _solve(
     def left() -> float:
         return max(time_limit - (time.monotonic() - began), 0.0)
 
-    routes = _first(situation, data, objective)
+    routes = _first(situation, data, objective, time_limit)
     if not data.required.any():
         return routes, Bound(0.0, "combinatorial")
     lower = latency_bound(data) if objective == "latency" else 0.0
@@ -178,19 +181,39 @@ def _solve(
     )
 
 
-def _first(situation: Situation, data: RoutingData, objective: Objective) -> Routes:
-    """The best of the quick planners' routes that keep to the limits."""
+def _first(
+    situation: Situation, data: RoutingData, objective: Objective, time_limit: float
+) -> Routes:
+    """The best of the quick planners' routes that keep to the limits, or else any that do."""
     found: list[Routes] = []
     for allocate in (ssi.allocate, greedy.allocate):
         routes = _within(data, allocate(situation))
         if not faults(data, routes):
             found.append(routes)
     if not found:
-        raise InputError(
-            "no plan within the robots' limits was found to begin with; give more",
-            field="endurance",
-        )
+        # The quick planners do not know of limits.
+        return _by_model(data, max(time_limit, LEAST_SECONDS))
     return min(found, key=lambda routes: value(data, routes, objective))
+
+
+def _by_model(data: RoutingData, seconds: float) -> Routes:
+    """Routes that keep to the limits, by the explicit model."""
+    solution = solve("joint_routing_flow", data, gap=1.0, time_limit=seconds)
+    if not solution.found:
+        why = "exists" if solution.status == "infeasible" else "was found in time"
+        raise InputError(
+            f"no plan that keeps to the robots' limits {why}; give more",
+            field="endurance" if np.isfinite(data.endurance).any() else "longest_walk",
+        )
+    goes, serves = solution.values["x"] > 0.5, solution.values["a"] > 0.5
+    routes = []
+    for r in range(data.n_robots):
+        route, place = [], data.n_victims  # the start
+        while goes[r, place].any():
+            place = int(np.argmax(goes[r, place]))
+            route.append((place, tuple(int(k) for k in np.flatnonzero(serves[r, place]))))
+        routes.append(tuple(route))
+    return tuple(routes)
 
 
 def _within(data: RoutingData, stops: Sequence[Stop]) -> Routes:

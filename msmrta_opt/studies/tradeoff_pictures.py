@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from itertools import groupby
+from itertools import groupby, pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -206,9 +207,10 @@ def tradeoff_figure(result: Tradeoff, *, breakpoint_: Fraction | None = None) ->
     instance = result.segments[0].plan.instance
     width, height = panel_size(instance.map, crowded=instance.n_victims > 50)
     bands = 1.5 + 0.3 * instance.n_robots
-    maps = height + 1.9
+    maps = height + 2.2 + 0.14 * instance.n_robots
     figure = Picture(figsize=(max(2 * width + 2, 12), 5.2 + bands + maps), layout="constrained")
-    top, middle, bottom = figure.subfigures(3, 1, height_ratios=(4.6, bands, maps))
+    parts: Any = figure.subfigures(3, 1, height_ratios=(4.6, bands, maps))
+    top, middle, bottom = parts
     exact = "exact" if result.exact else "to 1e-9"
     figure.suptitle(
         f"{instance.name or 'unnamed mission'}: {SYMBOL[result.over]} in {result.model}"
@@ -233,9 +235,10 @@ def regions_figure(regions: Regions) -> Figure:
     instance = plans[0].instance
     number = _numbers(regions)
     width, height = panel_size(instance.map, crowded=instance.n_victims > 50)
-    maps = height + 1.9
+    maps = height + 2.2 + 0.14 * instance.n_robots
     figure = Picture(figsize=(max(2 * width + 2, 11.5), 9.6 + maps), layout="constrained")
-    top, bottom = figure.subfigures(2, 1, height_ratios=(9, maps))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(9, maps))
+    top, bottom = parts
     exact = "exact" if regions.exact else "to 1e-9"
     figure.suptitle(
         f"{instance.name or 'unnamed mission'}: {len(regions.regions)} regions of ψ × β, "
@@ -265,7 +268,7 @@ def _draw_plans(figure: SubFigure, plans: list[tuple[str, Plan]]) -> None:
 
 def _sides(result: Tradeoff, at: Fraction | None) -> list[Segment]:
     """The segments on either side of a breakpoint; the only one if there is none."""
-    pairs = list(zip(result.segments, result.segments[1:], strict=False))
+    pairs = list(pairwise(result.segments))
     if at is not None and at not in result.breakpoints:
         known = ", ".join(map(str, result.breakpoints)) or "none"
         raise InputError(f"{at}; the breakpoints are {known}", field="breakpoint_")
@@ -273,7 +276,8 @@ def _sides(result: Tradeoff, at: Fraction | None) -> list[Segment]:
         return list(result.segments)
     if at is not None:
         return list(pairs[result.breakpoints.index(at)])
-    return list(max(pairs, key=lambda pair: _changes(pair[0].assignment, pair[1].assignment)))
+    most = max(pairs, key=lambda pair: _changes(pair[0].assignment, pair[1].assignment))
+    return [*most]
 
 
 def _changes(before: Assignment, after: Assignment) -> int:

@@ -4,6 +4,8 @@ In ``tests/data/external``: assignment costs 4 1 3 / 2 0 5 / 3 2 2, at least 1 +
 with room for two items and one, costs 1 2 3 / 3 1 2: least 1 + 2 + 2 or 1 + 1 + 3, most 2 + 3 + 3. A
 path 1–2–3–4 of lengths 2, 4 and 1, where 2 overwrites a first 9: two medians leave 2 + 1. A map with
 a way of 6 around a wall, and one of 2. Programs: twice 2 x ≥ 4 costs 4; x + y ≥ 2 and ≤ 1; min −x.
+Victims at −1 and 4 of a line, reached from 0 at 1 and 6. A triangle of sides 2, 3 and 4, from where
+the first two meet: two tours, there and back, of 4 and 6; one of 9.
 """
 
 from __future__ import annotations
@@ -51,16 +53,17 @@ def test_all_values_of_the_small_files_are_found(
     external: ModuleType, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert external.main([str(SMALL)]) == 0
-    # Assignment by two models, two senses, p-median, 2 × 2 walks, three programs read and solved.
-    assert "15 of 15 agree, 0 skipped." in capsys.readouterr().out
+    # Assignment by two models, two senses, p-median, 2 × 2 walks, three programs read and solved,
+    # latency, and longest tour.
+    assert "17 of 17 agree, 0 skipped." in capsys.readouterr().out
 
 
 def test_each_solver_named_solves_each_program_and_the_rest_is_done_once(
     external: ModuleType, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert external.main([str(SMALL), "--solver", "highs", "--solver", "auto"]) == 0
-    # Eight of the fifteen need a solver.
-    assert "23 of 23 agree, 0 skipped." in capsys.readouterr().out
+    # Eight of the seventeen need a solver.
+    assert "25 of 25 agree, 0 skipped." in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -78,6 +81,8 @@ def test_each_solver_named_solves_each_program_and_the_rest_is_done_once(
                 }
             },
         ),
+        ("trp_latency", {"line": 8}),
+        ("mtsp_minmax", {"values": [{"instance": "triangle.tsp", "m": 1, "minmax": 6}]}),
         (
             "mps",
             {
@@ -177,7 +182,11 @@ def test_a_broken_file_is_named_with_what_is_wrong(
     [
         ("assign", {"values": {"absent": 5}}, "absent.txt: no such file"),
         ("movingai", {"bend": {}}, "MAP / FILE.scen, first N rows"),
-        ("chess", {}, "none of assign, gap, pmed, movingai, mps is in it"),
+        (
+            "chess",
+            {},
+            "none of assign, gap, pmed, movingai, mps, trp_latency, mtsp_minmax is in it",
+        ),
     ],
 )
 def test_a_folder_that_does_not_hold_what_it_lists_is_refused(

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from support.brute import ORACLES
+from support.joint_cases import on_a_line
 
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise.formulation import ClusterData, Spec, VictimData
@@ -217,6 +218,7 @@ EXAMPLES: dict[str, Any] = {
         budget=np.full(3, 2),
         endurance=np.full(3, np.inf),
     ),
+    "routing": on_a_line([0, 9], [2, 4, 5], [[[True]] * 3] * 2, service=1),
 }
 """Data of each stage on which a formulation can be built."""
 STAGED = [
@@ -226,6 +228,8 @@ STAGED = [
     and listing.formulation is not None
     and listing.formulation.spec.stage in EXAMPLES
 ]
+PAIRING = [name for name in STAGED if get(name).spec.stage in ("cluster", "victim")]
+"""Those whose answer is a table of pairs."""
 
 
 def built(name: str) -> cp.Problem:
@@ -288,7 +292,7 @@ def test_the_parameters_are_those_that_the_spec_declares(name: str) -> None:
     assert set(built(name).param_dict) == set(get(name).spec.parameters)
 
 
-@pytest.mark.parametrize("name", STAGED)
+@pytest.mark.parametrize("name", PAIRING)
 def test_the_variable_x_is_binary_with_an_entry_for_each_pair(name: str) -> None:
     x = built(name).var_dict["x"]
     assert x.shape == (3, 4)

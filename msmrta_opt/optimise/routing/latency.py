@@ -4,13 +4,14 @@ A requirement g at victim v takes robot r at least
 
     p_rg = service_g + (least travel of r into v) / (number of kinds that r can serve at v),
 
-since a visit's way in is shared by what is served there. If g is the l-th from the end of r's
-queue, it delays l requirements, itself among them, so for requirements of one weight the least sum of
-completion times is a linear assignment of requirements to places (r, l) at cost ``l p_rg`` (Horn
-1973; Bruno, Coffman and Sethi 1974). A victim is done no sooner than the mean of its requirements,
-so each has the victim's priority over their number as its weight; unequal weights are taken apart
-into layers, each of one weight and of the requirements that weigh at least so much, and the layers'
-bounds added up.
+since a visit's way in is shared by what is served there. If g is the l-th from the end of r's queue,
+it delays l requirements, itself among them, so for requirements of one weight the least sum of
+completion times is a linear assignment of requirements to places (r, l) at cost ``l p_rg`` (Horn 1973;
+Bruno, Coffman and Sethi 1974). A victim is done no sooner than the mean of its requirements, so each
+has the victim's priority over their number as its weight; unequal weights are taken apart into layers,
+each of one weight and of the requirements that weigh at least so much, and the layers' bounds added
+up. Where it is more, the bound is that of every victim by itself, which asks for the triangle
+inequality: that no detour is shorter than the direct way.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from typing import Literal
+from typing import Literal, get_args
 
 from ...mission.errors import InputError, SolverError
 from ..formulation import Floats
@@ -17,6 +17,7 @@ from ..solution import Status
 Ability = Literal[
     "integer", "lp", "time_limit", "gap", "seed", "threads", "start", "verbose", "bound", "duals"
 ]
+EVERY_ABILITY: frozenset[Ability] = frozenset(get_args(Ability))
 
 
 @dataclass(frozen=True)

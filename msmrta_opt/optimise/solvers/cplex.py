@@ -12,7 +12,7 @@ import numpy as np
 
 from ...mission.errors import SolverError
 from ..program import Program
-from .base import Options, Outcome, Solver
+from .base import EVERY_ABILITY, Options, Outcome, Solver
 from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
 MOST_SEEDS = 2_100_000_000
@@ -121,20 +121,7 @@ SOLVER = Solver(
     package="cplex",
     module="cplex",
     install="pip install cplex",
-    abilities=frozenset(
-        [
-            "integer",
-            "lp",
-            "time_limit",
-            "gap",
-            "seed",
-            "threads",
-            "start",
-            "verbose",
-            "bound",
-            "duals",
-        ]
-    ),
+    abilities=EVERY_ABILITY,
     run=run,
     rank=12,
 )

@@ -13,7 +13,7 @@ import numpy as np
 from ...mission.errors import SolverError
 from ..formulation import Bools
 from ..program import Program
-from .base import Options, Outcome, Solver
+from .base import EVERY_ABILITY, Options, Outcome, Solver
 from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
 MOST_SEEDS = 2_000_000_000
@@ -115,20 +115,7 @@ SOLVER = Solver(
     package="gurobipy",
     module="gurobipy",
     install="pip install gurobipy",
-    abilities=frozenset(
-        [
-            "integer",
-            "lp",
-            "time_limit",
-            "gap",
-            "seed",
-            "threads",
-            "start",
-            "verbose",
-            "bound",
-            "duals",
-        ]
-    ),
+    abilities=EVERY_ABILITY,
     run=run,
     rank=11,
 )

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...mission.errors import SolverError
 from ..program import Program
-from .base import Options, Outcome, Solver
+from .base import EVERY_ABILITY, Options, Outcome, Solver
 
 _threads_in_use: int | None = None
 
@@ -155,20 +155,7 @@ SOLVER = Solver(
     package="highspy",
     module="highspy",
     install="pip install highspy",
-    abilities=frozenset(
-        [
-            "integer",
-            "lp",
-            "time_limit",
-            "gap",
-            "seed",
-            "threads",
-            "start",
-            "verbose",
-            "bound",
-            "duals",
-        ]
-    ),
+    abilities=EVERY_ABILITY,
     run=run,
     rank=1,
 )

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...mission.errors import SolverError
 from ..program import Program
-from .base import Options, Outcome, Solver
+from .base import EVERY_ABILITY, Options, Outcome, Solver
 from .outcomes import gap_of_larger, incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
 
@@ -120,20 +120,7 @@ SOLVER = Solver(
     package="xpress",
     module="xpress",
     install="pip install xpress",
-    abilities=frozenset(
-        [
-            "integer",
-            "lp",
-            "time_limit",
-            "gap",
-            "seed",
-            "threads",
-            "start",
-            "verbose",
-            "bound",
-            "duals",
-        ]
-    ),
+    abilities=EVERY_ABILITY,
     run=run,
     rank=13,
 )

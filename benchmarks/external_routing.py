@@ -1,0 +1,94 @@
+"""Published routing problems as joint problems of one kind of capability, and how we solve them.
+
+Victims are the customers, robots the salesmen or repairmen, all of speed one from the same start; a
+visit takes no time. Lengths are taken as published, even where a detour is shorter than a direct way.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.files import read_text
+from msmrta_opt.optimise.routing.bound import gap
+from msmrta_opt.optimise.routing.data import Objective, Routes, RoutingData, value
+from msmrta_opt.optimise.routing.local_search import improve
+from msmrta_opt.optimise.routing.strong import strong_bound
+from msmrta_opt.optimise.solvers import Options
+
+Floats = NDArray[np.float64]
+
+UNPROVEN = "not proven"
+PROVEN = 1e-6
+"""Relative gap up to which a value is proven."""
+
+
+def read_points(path: Path) -> Floats:
+    """Distances, shape ``(n, n)``, rounded down, between points: ``number x y`` a line."""
+    try:
+        points = np.array([line.split() for line in read_text(path).splitlines() if line], float)
+    except ValueError as error:
+        raise InputError(f"{error}; give a number and two coordinates a line", file=path) from None
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError("give a number and two coordinates a line", file=path)
+    apart = points[:, None, 1:] - points[None, :, 1:]
+    return np.asarray(np.floor(np.hypot(apart[..., 0], apart[..., 1])))
+
+
+def read_lower_rows(path: Path) -> Floats:
+    """Distances, shape ``(n, n)``, of a TSPLIB file that lists their lower triangle by rows."""
+    text = read_text(path)
+    size = re.search(r"^DIMENSION\s*:\s*(\d+)", text, re.MULTILINE)
+    form = re.search(r"^EDGE_WEIGHT_FORMAT\s*:\s*LOWER(_DIAG)?_ROW\b", text, re.MULTILINE)
+    weights = re.search(r"^EDGE_WEIGHT_SECTION\s+([\d\s.]*)", text, re.MULTILINE)
+    if size is None or form is None or weights is None:
+        raise InputError("give DIMENSION and edge weights by lower rows", file=path)
+    lengths = np.zeros((int(size[1]),) * 2)
+    below = np.tril_indices(len(lengths), 0 if form[1] else -1)
+    numbers = weights[1].split()
+    if len(numbers) != len(below[0]):
+        raise InputError(f"{len(numbers)} edge weights; give {len(below[0])}", file=path)
+    lengths[below] = np.array(numbers, float)
+    return lengths + np.tril(lengths, -1).T
+
+
+def one_kind(lengths: Floats, n_robots: int, *, return_to_start: bool) -> RoutingData:
+    """Visit all nodes but the first, where the robots start; `lengths` of shape ``(n, n)``."""
+    n_victims = len(lengths) - 1
+    leave = np.tile(lengths[0, 1:], (n_robots, 1))
+    return RoutingData(
+        leave=leave,
+        between=np.tile(lengths[1:, 1:], (n_robots, 1, 1)),
+        back=leave if return_to_start else np.zeros_like(leave),
+        service=np.zeros((n_victims, 1)),
+        able=np.ones((n_robots, n_victims, 1), dtype=bool),
+        priority=np.ones(n_victims),
+        endurance=np.full(n_robots, np.inf),
+        longest_walk=np.full(n_robots, np.inf),
+    )
+
+
+def searched(data: RoutingData, objective: Objective) -> Routes:
+    """Routes by local search, from victims dealt out in turn."""
+    n = data.n_robots
+    dealt = tuple(tuple((v, (0,)) for v in range(r, data.n_victims, n)) for r in range(n))
+    return improve(data, dealt, objective)
+
+
+def by_search(data: RoutingData, objective: Objective, *_: object) -> float:
+    """The value that local search reaches; nothing is proven."""
+    return value(data, searched(data, objective), objective)
+
+
+def by_proof(data: RoutingData, objective: Objective, _: str, options: Options) -> float | str:
+    """The value that the strong method proves within the time limit, or says that it does not."""
+    limit = math.inf if options.time_limit is None else options.time_limit
+    routes, bound = strong_bound(data, objective, searched(data, objective), time_limit=limit)
+    reached = value(data, routes, objective)
+    proven = gap(reached, bound.value) <= PROVEN
+    return reached if proven else f"{reached:.10g} above {bound.value:.10g}, {UNPROVEN}"

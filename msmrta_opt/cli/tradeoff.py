@@ -1,0 +1,160 @@
+"""The command tradeoff: what ψ and β do to a mission, piece by piece."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .missions import Figure, InstanceFile, Seed
+
+if TYPE_CHECKING:
+    from ..studies.tradeoff import Regions, Tradeoff
+
+
+def register(app: typer.Typer) -> None:
+    """Add this file's command to `app`."""
+    app.command()(tradeoff)
+
+
+def tradeoff(
+    instance: InstanceFile,
+    over: Annotated[str, typer.Option(help="psi, beta, or psi,beta.")] = "psi",
+    model: Annotated[str | None, typer.Option(help="Formulation of the parameter's stage.")] = None,
+    psi: Annotated[float | None, typer.Option(help="ψ while β runs.  [default: 0.95]")] = None,
+    seed: Seed = None,
+    csv: Annotated[Path | None, typer.Option(help="Write the pieces here.")] = None,
+    figure: Figure = None,
+) -> None:
+    """Find every optimum over ψ or β, or every plan over both, with the exact values of change."""
+    from ..mission.errors import InputError
+    from ..mission.instance import Instance
+    from ..studies import tradeoff as study
+    from .outputs import check_outputs
+
+    check_outputs(csv, figure=figure)
+    given = {"psi": psi, "seed": seed}
+    options: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    mission = Instance.read(instance)
+    if over.replace(" ", "") in ("psi,beta", "beta,psi"):
+        if model is not None:
+            raise InputError("goes with one parameter", field="--model")
+        regions = study.tradeoff_regions(mission, **options)
+        rows = _region_rows(regions)
+        _show_regions(regions, rows)
+    elif over in ("psi", "beta"):
+        result = study.tradeoff(mission, "psi" if over == "psi" else "beta", model=model, **options)
+        rows = _segment_rows(result)
+        _show_segments(result, rows)
+    else:
+        raise InputError(f"{over!r}; give psi, beta, or psi,beta", field="--over")
+    if csv is not None:
+        _write_csv(rows, csv)
+    if figure is not None:
+        from ..plots import save_figure
+        from ..studies.tradeoff_pictures import regions_figure, tradeoff_figure
+
+        both = "," in over
+        save_figure(regions_figure(regions) if both else tradeoff_figure(result), figure)
+        typer.echo(f"picture written to {figure}")
+
+
+def _segment_rows(result: Tradeoff) -> list[dict[str, object]]:
+    return [
+        {
+            "from": _short(segment.low),
+            "to": _short(segment.high),
+            "value": f"{float(segment.value(segment.low)):.6g} … "
+            f"{float(segment.value(segment.high)):.6g}",
+            "slope": _short(segment.slope),
+            "at 0": _short(segment.objectives[0]),
+            "at 1": _short(segment.objectives[1]),
+            "robots take": ", ".join(name or "∅" for name in result.named(segment.assignment)),
+            "optimum": "unique" if segment.unique else "one of several",
+            "served": segment.metrics.n_served,
+            "cells": segment.metrics.distance,
+            "makespan": segment.metrics.makespan,
+            "total time": segment.metrics.total_time,
+            "mean completion": segment.metrics.mean_completion,
+        }
+        for segment in result.segments
+    ]
+
+
+def _region_rows(regions: Regions) -> list[dict[str, object]]:
+    number = {plan.routes: n + 1 for n, plan in enumerate(regions.plans)}
+    return [
+        {
+            "psi": f"{_short(region.psi[0])} … {_short(region.psi[1])}",
+            "beta": f"{_short(region.beta[0])} … {_short(region.beta[1])}",
+            "plan": number[region.plan.routes],
+            "optimum": "unique" if region.unique else "one of several",
+            "served": region.plan.metrics.n_served,
+            "cells": region.plan.metrics.distance,
+            "makespan": region.plan.metrics.makespan,
+            "total time": region.plan.metrics.total_time,
+            "mean completion": region.plan.metrics.mean_completion,
+        }
+        for region in regions.regions
+    ]
+
+
+def _show_segments(result: Tradeoff, rows: list[dict[str, object]]) -> None:
+    from .console import say, table
+
+    columns = list(rows[0])
+    title = f"{result.model} over {result.over}: {len(rows)} pieces, {result.sense}"
+    table(title, columns, [tuple(row.values()) for row in rows], wraps="robots take")
+    for t, assignments in result.ties.items():
+        more = " or more" if t in result.more_ties else ""
+        say(f"At {result.over} = {_short(t)}, {len(assignments)}{more} assignments are optimal:")
+        for assignment in assignments:
+            say(f"  {', '.join(name or '∅' for name in result.named(assignment))}")
+    points = [
+        (
+            _short(point.line.at_zero),
+            _short(point.line.at_one),
+            "yes" if point.supported else "no: no weight reaches it",
+            ", ".join(name or "∅" for name in result.named(assignment)),
+        )
+        for point, assignment in zip(
+            result.frontier.points, result.frontier_assignments, strict=True
+        )
+    ]
+    table(
+        "Points that nothing dominates" + ("" if result.frontier.complete else " (not all)"),
+        ["at 0", "at 1", "supported", "robots take"],
+        points,
+    )
+    exact = "exact fractions" if result.exact else "to a relative 1e-9: the data are not rational"
+    say(f"Breakpoints are {exact}; {result.n_solves} solves found and closed the pieces.")
+
+
+def _show_regions(regions: Regions, rows: list[dict[str, object]]) -> None:
+    from .console import say, table
+
+    table("Regions of the square of ψ and β", list(rows[0]), [tuple(r.values()) for r in rows])
+    exact = "exact" if regions.exact else "to a relative 1e-9"
+    say(
+        f"{len(rows)} regions, {len(regions.plans)} different plans; borders are {exact};"
+        f" {regions.n_solves} solves."
+    )
+
+
+def _write_csv(rows: list[dict[str, object]], path: Path) -> None:
+    import pandas as pd
+
+    from ..mission.files import write_with
+
+    write_with(path, lambda file: pd.DataFrame(rows).to_csv(file, index=False))
+    typer.echo(f"table written to {path}")
+
+
+def _short(number: Fraction) -> str:
+    """A fraction with its decimal where the fraction is short, else the decimal."""
+    if number.denominator == 1:
+        return str(number)
+    decimal = f"{float(number):.6g}"
+    return f"{number} ({decimal})" if number.denominator < 10_000 else decimal

@@ -1,0 +1,235 @@
+"""The exact planner: against brute force, by hand, at any limit, and stopped by Ctrl-C."""
+
+from __future__ import annotations
+
+import math
+import signal
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+from support.joint_oracle import least
+
+import msmrta_opt as mo
+from msmrta_opt.mission.check import problems
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.instance import Instance, Robot, Victim
+from msmrta_opt.mission.maps import grid_from_rows, read_map
+from msmrta_opt.mission.plan import BEYOND_ENDURANCE, NOT_FOUND, Plan
+from msmrta_opt.optimise.routing.data import Objective, RoutingData
+from msmrta_opt.optimise.routing.latency import latency_bound
+from msmrta_opt.stages.joint_routing import routing_data
+from msmrta_opt.stages.situation import Situation
+
+MAPS = Path(__file__).parents[2] / "instances" / "maps"
+OBJECTIVES: tuple[Objective, ...] = ("total_time", "makespan", "latency")
+SEEDS = range(4)
+
+
+@cache
+def mission(seed: int) -> Instance:
+    """Three robots and four victims among walls; some requirements that no robot can serve."""
+    grid = read_map(MAPS / f"map{(0, 2, 3)[seed % 3]}.map")
+    return random_mission(grid, 3, 4, seed=seed)
+
+
+def joint(instance: Instance) -> RoutingData:
+    return routing_data(Situation.of(instance))
+
+
+@cache
+def expected(seed: int, objective: Objective) -> float:
+    return least(joint(mission(seed)), objective)
+
+
+def proven(made: Plan) -> tuple[float, float, float]:
+    """Value, bound and gap of a plan that holds, in an order that makes sense."""
+    assert problems(made) == []
+    (certificate,) = made.certificates
+    assert certificate.check == "passed"
+    value, bound, gap = certificate.objective, certificate.bound, certificate.gap
+    assert value is not None
+    assert bound is not None
+    assert gap is not None
+    assert bound <= value
+    assert gap >= 0
+    assert value == pytest.approx(getattr(made.metrics, certificate.model))
+    return value, bound, gap
+
+
+def status(made: Plan) -> str:
+    return made.certificates[0].status
+
+
+@pytest.mark.parametrize("objective", ["total_time", "makespan"])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_small_mission_is_proven_to_be_worth_what_brute_force_finds(
+    seed: int, objective: Objective
+) -> None:
+    made = mo.plan(mission(seed), planner="exact", objective=objective)
+    value, bound, gap = proven(made)
+    assert value == pytest.approx(expected(seed, objective))
+    assert bound == pytest.approx(expected(seed, objective))
+    assert (gap, status(made)) == (0, "optimal")
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_latency_of_a_small_mission_is_the_least_above_a_bound_that_holds(seed: int) -> None:
+    made = mo.plan(mission(seed), planner="exact", objective="latency", time_limit=0.5)
+    value, bound, _ = proven(made)
+    assert value == pytest.approx(expected(seed, "latency"))
+    assert bound <= expected(seed, "latency") + 1e-6
+
+
+@pytest.mark.parametrize("seed", range(20, 50))
+def test_no_routes_have_a_latency_below_the_bound(seed: int) -> None:
+    grid = read_map(MAPS / f"map{(0, 2, 3)[seed % 3]}.map")
+    data = joint(random_mission(grid, 2, 3, seed=seed, per_robot=(2, 4), per_victim=(0, 3)))
+    assert 0 <= latency_bound(data) <= least(data, "latency") + 1e-6
+
+
+@pytest.mark.parametrize("time_limit", [0, 0.1, 1])
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_a_plan_holds_and_its_bound_is_one_at_any_time_limit(
+    objective: Objective, time_limit: float
+) -> None:
+    value, bound, _ = proven(
+        mo.plan(mission(0), planner="exact", objective=objective, time_limit=time_limit)
+    )
+    assert bound <= expected(0, objective) + 1e-6
+    assert value >= expected(0, objective) - 1e-6
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_a_larger_mission_stopped_at_once_has_a_plan_and_a_bound(objective: Objective) -> None:
+    large = random_mission(read_map(MAPS / "map2.map"), 6, 40, seed=1)
+    first, _, _ = proven(mo.plan(large, planner="exact", objective=objective, time_limit=0))
+    later, _, _ = proven(mo.plan(large, planner="exact", objective=objective, time_limit=0.5))
+    assert later <= first + 1e-6
+
+
+def test_it_stops_at_the_gap_that_is_allowed() -> None:
+    made = mo.plan(mission(0), planner="exact", gap=0.9)
+    _, bound, gap = proven(made)
+    assert gap <= 0.9
+    assert bound <= expected(0, "total_time") + 1e-6
+
+
+# By hand: a robot at 1 of a corridor of five cells, victims at 0 and 4, service 2 each.
+
+
+@pytest.fixture
+def corridor(instances_dir: Path) -> Instance:
+    return Instance.read(instances_dir / "corridor.json")
+
+
+def test_a_robot_that_returns_walks_back_to_its_start(corridor: Instance) -> None:
+    """1 + 4 + 3 moves and 4 of service; without the way back 1 + 4 + 4."""
+    assert proven(mo.plan(corridor, planner="exact"))[0] == 9
+    made = mo.plan(corridor, planner="exact", return_to_start=True)
+    assert proven(made)[0] == 12
+    assert made.routes[0].distance == 8
+    assert made.routes[0].cells[-1] == (0, 1)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_limits_that_are_just_enough_change_nothing(
+    corridor: Instance, objective: Objective
+) -> None:
+    """Victim 0 is done at 3, victim 1 at 9, after 5 moves."""
+    made = mo.plan(
+        corridor,
+        planner="exact",
+        objective=objective,
+        time_limit=0.2,
+        endurance=9,
+        longest_walk=5,
+    )
+    assert proven(made)[0] == {"total_time": 9, "makespan": 9, "latency": 12}[objective]
+
+
+@pytest.mark.parametrize("limit", [{"endurance": 4.5}, {"longest_walk": 2}])
+def test_what_is_beyond_every_robots_limits_is_left_out_and_said_so(
+    corridor: Instance, limit: dict[str, float]
+) -> None:
+    """Victim 1 alone takes 3 moves and 2 of service."""
+    made = mo.plan(corridor, planner="exact", objective=None, **limit)
+    assert proven(made)[0] == 3
+    assert [(item.victim, item.reason) for item in made.unserved] == [(1, BEYOND_ENDURANCE)]
+
+
+@pytest.mark.parametrize("limit", [{"endurance": 8.5}, {"longest_walk": 4}])
+def test_limits_that_allow_each_victim_but_not_both_are_refused(
+    corridor: Instance, limit: dict[str, float]
+) -> None:
+    with pytest.raises(InputError, match="limits exists") as refused:
+        mo.plan(corridor, planner="exact", objective=None, **limit)
+    assert refused.value.field == next(iter(limit))
+
+
+def test_a_plan_within_limits_is_found_where_quick_planners_go_beyond_them() -> None:
+    """Robots at 3 and 10, victims at 4, 5 and 7: the first robot is nearest to each in turn.
+
+    It would walk 4 cells; with no more than 3 each, it serves 4 and 5 and the second walks 3 to 7.
+    """
+    mission = Instance(
+        map=grid_from_rows(["." * 11]),
+        capabilities=("A",),
+        service_time={"A": 0},
+        robots=tuple(
+            Robot(id=r, start=(0, col), speed=1, capabilities=("A",))
+            for r, col in enumerate((3, 10))
+        ),
+        victims=tuple(
+            Victim(id=v, cell=(0, col), requirements=("A",)) for v, col in enumerate((4, 5, 7))
+        ),
+    )
+    assert proven(mo.plan(mission, planner="exact"))[0] == 4
+    made = mo.plan(mission, planner="exact", longest_walk=3)
+    assert proven(made)[0] == 5
+    assert [route.distance for route in made.routes] == [2, 3]
+
+
+def test_no_victims_take_no_time(instances_dir: Path) -> None:
+    none = Instance.read(instances_dir / "no_victims.json")
+    for objective in OBJECTIVES:
+        made = mo.plan(none, planner="exact", objective=objective)
+        assert (proven(made), status(made)) == ((0, 0, 0), "optimal")
+
+
+def test_victims_that_the_scouts_do_not_find_are_left_out(instances_dir: Path) -> None:
+    made = mo.plan(Instance.read(instances_dir / "scouted.json"), planner="exact")
+    assert proven(made)[0] == 5
+    assert [(item.victim, item.reason) for item in made.unserved] == [(1, NOT_FOUND)]
+
+
+@pytest.mark.parametrize("option", [{"time_limit": -1.0}, {"gap": math.nan}])
+def test_an_option_out_of_range_is_refused_by_name(
+    corridor: Instance, option: dict[str, float]
+) -> None:
+    with pytest.raises(InputError) as refused:
+        mo.plan(corridor, planner="exact", objective=None, **option)
+    assert refused.value.field == next(iter(option))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send on Windows")
+def test_ctrl_c_leaves_a_checked_plan_and_its_bound(tmp_path: Path) -> None:
+    instance, answer = tmp_path / "large.json", tmp_path / "plan.json"
+    random_mission(read_map(MAPS / "map2.map"), 10, 100, seed=0).save(instance)
+    command = "from msmrta_opt.cli import run; import sys; sys.exit(run(sys.argv[1:]))"
+    line = ["exact", str(instance), "--json", str(answer), "--time-limit", "600"]
+    with subprocess.Popen(
+        [sys.executable, "-c", command, *line],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stderr is not None
+        assert "bound" in process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, errors
+    proven(Plan.read(answer))
