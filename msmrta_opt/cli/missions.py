@@ -18,7 +18,7 @@ Seed = Annotated[int | None, typer.Option(help="Of all random choices.  [default
 
 def register(app: typer.Typer) -> None:
     """Add this file's commands to `app`."""
-    for command in (plan, planners, check, scout):
+    for command in (plan, planners, check, scout, schema):
         app.command()(command)
 
 
@@ -197,3 +197,12 @@ def scout(
 
         scouting_figure(mission, report, figure)
         typer.echo(f"picture written to {figure}")
+
+
+def schema() -> None:
+    """Print the JSON Schema of instance files."""
+    import json
+
+    from ..mission.instance import json_schema
+
+    print(json.dumps(json_schema(), indent=1))

@@ -182,7 +182,7 @@ def _services(plan: Plan) -> list[str]:
 
 def _limited(plan: Plan) -> bool:
     """Whether the plan was made under a limit that can leave an available requirement open."""
-    return plan.options.get("endurance") is not None
+    return any(plan.options.get(name) is not None for name in ("endurance", "longest_walk"))
 
 
 def _components(instance: Instance) -> dict[Cell, int]:

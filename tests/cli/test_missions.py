@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from msmrta_opt import cli, mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.plan import Plan, ScoutingReport
 from msmrta_opt.planners import plan, planners
@@ -342,3 +343,9 @@ def test_outputs_that_cannot_be_written_are_refused_before_any_work(
     monkeypatch.setattr("msmrta_opt.planners.plan", work)
     monkeypatch.setattr("msmrta_opt.stages.scouting.scouting", work)
     refused([command, str(paper_file), *outputs], problem, msmrta, folder, capsys)
+
+
+def test_schema_prints_the_published_schema(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["schema"]) == 0
+    published = Path(mission.__file__).with_name("instance.schema.json")
+    assert capsys.readouterr().out == published.read_text(encoding="utf-8")
