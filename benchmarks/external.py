@@ -357,10 +357,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     show(found)
-    useless = [s for s in solvers if not any(a.solver == s and a.value is not None for a in found)]
+    tried = {name: [item for item in found if item.solver == name] for name in solvers}
+    useless = [name for name, own in tried.items() if own and all(a.value is None for a in own)]
     for name in useless:
         say(f"{name} could solve nothing here.")
-    wrong = [item for item in found if item.verdict in ("DISAGREES", "stopped")]
+    # What needs no solver has nobody else to blame for having no value.
+    failed = [item for item in found if item.value is None and not item.case.needs_solver]
+    wrong = failed + [item for item in found if item.verdict in ("DISAGREES", "stopped")]
     return 1 if wrong or useless else 0
 
 

@@ -113,12 +113,28 @@ def strong_bound(
 
 def combinatorial_bound(data: RoutingData, objective: Objective) -> float:
     """A bound at once: each requirement alone, by whoever is soonest done with it."""
-    alone = (data.leave + data.back)[:, :, None] + data.service[None]
+    alone = _least_ways(data)[:, :, None] + data.service[None]
     soonest = np.where(data.able, alone, np.inf).min(axis=0, initial=np.inf)[data.required]
     if objective == "makespan":
         return float(soonest.max(initial=0.0))
     travel = soonest - data.service[data.required]
     return data.total_service + float(travel.max(initial=0.0))
+
+
+def _least_ways(data: RoutingData) -> Floats:
+    """Least travel of r to v and home, by whatever detour, ``(n_robots, n_victims)``.
+
+    Where times satisfy the triangle inequality, as walking does, this is the direct way.
+    """
+    pair = data.can_visit[:, :, None] & data.can_visit[:, None, :]
+    between = np.where(pair, data.between, np.inf)
+    out, back = (np.where(data.can_visit, way, np.inf) for way in (data.leave, data.back))
+    while True:
+        shorter_out = np.minimum(out, (out[:, :, None] + between).min(axis=1))
+        shorter_back = np.minimum(back, (between + back[:, None, :]).min(axis=2))
+        if np.array_equal(shorter_out, out) and np.array_equal(shorter_back, back):
+            return out + back
+        out, back = shorter_out, shorter_back
 
 
 def search_tree() -> _Search:
