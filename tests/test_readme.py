@@ -78,8 +78,10 @@ def test_the_python_of_the_readme_works(workplace: Path) -> None:
 def recipe(target: str) -> str:
     """The commands of a make target, without the installation."""
     printed = subprocess.run(
-        ["make", "--dry-run", "--always-make", target, "VENV=THE_VENV"],
+        ["make", "--dry-run", "--always-make", "--no-print-directory", target, "VENV=THE_VENV"],
         cwd=ROOT,
+        # Run from `make test`, it would take that one's flags for its own.
+        env={name: value for name, value in os.environ.items() if not name.startswith("MAKE")},
         capture_output=True,
         text=True,
         check=True,
