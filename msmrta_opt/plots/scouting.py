@@ -184,7 +184,7 @@ def plot_coverage(report: ScoutingReport, ax: Axes | None = None) -> Axes:
     ax.set_axisbelow(True)
     ax.spines[["top", "right"]].set_visible(False)
     n_victims = len(report.finds) + len(report.not_found)
-    ax.set_title(f"Coverage: {_summary(report, n_victims)} (ended: {report.ended})", fontsize=10)
+    ax.set_title(f"Coverage (ended: {report.ended})\n{_summary(report, n_victims)}", fontsize=10)
     legend_below(ax, handles)
     return ax
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from .compare import Row
 
@@ -39,6 +40,9 @@ def performance_profile(rows: Sequence[Row], ax: Axes | None = None) -> Axes:
         )
     ax.set_xscale("log")
     ax.set_xlim(1.0, worst)
+    factors = FuncFormatter(lambda factor, _: f"{factor:g}×")
+    ax.xaxis.set_major_formatter(factors)
+    ax.xaxis.set_minor_formatter(factors if worst < 10 else NullFormatter())
     ax.set_ylim(-2, 102)
     ax.set_xlabel("time, as a multiple of the best solver's on the same program")
     ax.set_ylabel("programs solved to optimality (%)")
