@@ -47,6 +47,7 @@ _HOME = {
     "write_program": "optimise.export",
     "explain": "optimise.explain",
     "Explanation": "optimise.explain",
+    "compare": "studies.compare:comparison",
     "tradeoff": "studies.tradeoff",
     "tradeoff_regions": "studies.tradeoff",
     "stage_data": "stages.data",
@@ -97,6 +98,7 @@ if TYPE_CHECKING:
     from .planners import planners as planners
     from .stages.data import stage_data as stage_data
     from .stages.scouting import scouting as scouting
+    from .studies.compare import comparison as compare  # noqa: F401
     from .studies.tradeoff import tradeoff as tradeoff
     from .studies.tradeoff import tradeoff_regions as tradeoff_regions
 
@@ -113,7 +115,8 @@ def __getattr__(name: str) -> Any:
         return importlib.import_module(f".{name}", __name__)
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
+    module, _, attribute = _HOME[name].partition(":")
+    value = getattr(importlib.import_module(f".{module}", __name__), attribute or name)
     globals()[name] = value
     return value
 

@@ -13,7 +13,7 @@ import sys
 import typer
 
 from ..mission.errors import CheckError, MsmrtaError
-from . import compare, exact, missions, models, programs, tradeoff
+from . import compare, exact, missions, models, plans, programs, tradeoff
 
 app = typer.Typer(
     name="msmrta",
@@ -22,7 +22,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for group in (missions, exact, models, programs, compare, tradeoff):
+for group in (missions, exact, plans, models, programs, compare, tradeoff):
     group.register(app)
 
 

@@ -387,6 +387,31 @@ def read_instances(paths: Sequence[str | Path]) -> list[Instance]:
     return list(found.values())
 
 
+def comparison(
+    instances: Sequence[Instance],
+    *,
+    stage: str = "cluster",
+    models: Sequence[str] = (),
+    solvers: Sequence[str] = (),
+    seeds: Sequence[int] = (),
+    jobs: int = 1,
+    time_limit: float | None = 60.0,
+    memory_limit: float | None = None,
+    **parameters: float,
+) -> pd.DataFrame:
+    """Compare formulations and solvers on instances, as a pandas table; see `cases` and `compare`."""
+    todo = cases(
+        instances,
+        stage=stage,
+        models=models,
+        solver_names=solvers,
+        seeds=seeds,
+        parameters=parameters,
+        time_limit=time_limit,
+    )
+    return frame(list(compare(todo, jobs=jobs, memory_limit=memory_limit)))
+
+
 def as_documents(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """The rows as JSON-ready documents."""
     return [asdict(row) for row in rows]

@@ -1,8 +1,8 @@
-"""Pictures of comparisons: the performance profile."""
+"""Pictures of comparisons: the performance profile, and what staging costs."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from .compare import Row
+from .staging import Loss
 
 LINES = ("-", "--", "-.", ":")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -69,3 +70,25 @@ def _ratios(rows: Sequence[Row]) -> tuple[dict[str, list[float]], int]:
         for solver, seconds in solved.items():
             ratios[solver].append(seconds / best)
     return ratios, len(times)
+
+
+def staging_losses(
+    priced: Mapping[str, Sequence[Loss]], objective: str, ax: Axes | None = None
+) -> Axes:
+    """Per mission a bar: what a staged plan needs at best, and what each stage adds, in time units."""
+    ax = ax or Figure(figsize=(9, 3), layout="constrained").subplots()
+    for row, losses in enumerate(priced.values()):
+        left = losses[-1].after
+        ax.barh(row, left, color="#D9D9D9", edgecolor="white", label="all free" if not row else "")
+        for i, item in enumerate(reversed(losses)):
+            label = f"lost by {item.stage}" if not row else ""
+            ax.barh(row, item.loss, left=left, color=COLOURS[i], edgecolor="white", label=label)
+            left += item.loss
+        ax.text(left, row, f" {left:.6g}", va="center")
+    ax.set_yticks(range(len(priced)), list(priced))
+    ax.invert_yaxis()
+    ax.set_xlabel(f"{objective.replace('_', ' ')} (time units)")
+    ax.set_title("What each stage of the staged plan costs")
+    ax.margins(x=0.12)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.3), ncols=3, frameon=False)
+    return ax
