@@ -14,7 +14,7 @@ from .missions import Figure, Json
 if TYPE_CHECKING:
     from ..mission.instance import Instance
     from ..stages.options import StagedOptions
-    from ..studies.compare import Row
+    from ..studies.rows import Row
     from ..studies.score import Score
 
 
@@ -61,6 +61,7 @@ def compare(
     from ..stages.options import StagedOptions
     from ..studies import compare as study
     from ..studies.regression import changes, read_baseline, save_baseline
+    from ..studies.rows import disagreements
     from .console import console
     from .outputs import check_outputs
 
@@ -110,7 +111,7 @@ def compare(
         raise KeyboardInterrupt
     if save is not None:
         save_baseline(rows, save)
-    failed = study.disagreements(rows)
+    failed = disagreements(rows)
     for line in failed:
         console().print(f"disagreement: {line}", style="bold red", markup=False)
     if baseline is not None:
@@ -212,7 +213,7 @@ def _scores(
 
 
 def _show(rows: Sequence[Row], measured: Sequence[Score]) -> None:
-    from ..studies.compare import shifted_geometric_means
+    from ..studies.rows import shifted_geometric_means
     from .console import table
 
     table(
@@ -286,7 +287,7 @@ def _write(rows: Sequence[Row], csv: Path | None, parquet: Path | None, json: Pa
     import json as json_module
 
     from ..mission.files import write_text, write_with
-    from ..studies.compare import as_documents, frame
+    from ..studies.rows import as_documents, frame
 
     if csv is not None:
         write_with(csv, lambda path: frame(rows).to_csv(path, index=False))

@@ -6,7 +6,7 @@ import platform
 import time
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -18,56 +18,21 @@ from ..mission.errors import InputError, MsmrtaError
 from ..mission.instance import Instance
 from ..optimise import registry, solvers
 from ..optimise.formulation import ClusterData
-from ..optimise.solution import Solution, Status
+from ..optimise.solution import Solution
 from ..optimise.solve import AUTO, solve
 from ..optimise.solvers import Options
 from ..stages.data import STAGES, stage_data
 from ..stages.options import StagedOptions
 from .isolate import Failure, run_isolated
+from .rows import Row, frame
 
 if TYPE_CHECKING:
     import pandas as pd
 
-TOLERANCE = 1e-6
-"""Relative difference up to which two optima agree."""
 GRACE_SECONDS = 20.0
 """Time beyond the solver's limit after which a solve is killed; building is included."""
-SHIFT_SECONDS = 0.01
-"""Shift of the geometric means of solving times."""
 LIBRARIES = ("highspy", "networkx", "scipy.optimize", "scipy.sparse.csgraph", "sklearn.cluster")
 """What stages and solvers import when first used; loading it once for all saves most of the time."""
-
-
-@dataclass(frozen=True)
-class Row:
-    """One solve: what was asked, and what came of it. Times are in seconds."""
-
-    instance: str
-    stage: str
-    model: str
-    solver: str
-    seed: int | None
-    status: Status
-    sense: str = ""
-    objective: float | None = None
-    bound: float | None = None
-    gap: float | None = None
-    check: str = ""
-    proof: str = ""
-    message: str = ""
-    canonicalise_seconds: float | None = None
-    solve_seconds: float | None = None
-    total_seconds: float | None = None
-    nodes: int | None = None
-    n_variables: int | None = None
-    n_rows: int | None = None
-    solver_version: str = ""
-    machine: str = ""
-
-    @property
-    def key(self) -> tuple[str, str, str, int | None]:
-        """What identifies the solve: instance, model, solver, seed."""
-        return self.instance, self.model, self.solver, self.seed
 
 
 @dataclass(frozen=True)
@@ -297,73 +262,6 @@ def _failed(case: Case, failure: Failure) -> Row:
     )
 
 
-def disagreements(rows: Sequence[Row], tolerance: float = TOLERANCE) -> list[str]:
-    """Where solves of one formulation on one instance contradict each other, one line each.
-
-    Two optima differ, a feasible value is better than a proven bound, or one solve proves a
-    program infeasible or unbounded for which another has a point or a bound.
-    """
-    groups: dict[tuple[str, str], list[Row]] = {}
-    for row in rows:
-        groups.setdefault((row.instance, row.model), []).append(row)
-    found = []
-    for (instance, model), group in groups.items():
-        values = [row for row in group if row.objective is not None]
-        bounds = [row for row in group if row.bound is not None]
-        refused = [row for row in group if row.status == "infeasible"]
-        endless = [row for row in group if row.status == "unbounded"]
-        for value, bound in product(values, bounds):
-            sign = 1.0 if bound.sense == "min" else -1.0
-            slack = tolerance * max(1.0, abs(value.objective or 0.0))
-            if sign * ((bound.bound or 0.0) - (value.objective or 0.0)) > slack:
-                found.append(
-                    f"{model} on {instance}: {value.solver} has {value.objective:.9g}, but"
-                    f" {bound.solver} proves that nothing is better than {bound.bound:.9g}"
-                )
-        if refused and values:
-            found.append(
-                f"{model} on {instance}: {refused[0].solver} proves it infeasible, but"
-                f" {values[0].solver} has {values[0].objective:.9g}"
-            )
-        if endless and (refused or bounds):
-            other = (refused or bounds)[0]
-            found.append(
-                f"{model} on {instance}: {endless[0].solver} proves it unbounded, but"
-                f" {other.solver} has it {other.status}"
-            )
-    return found
-
-
-def frame(rows: Sequence[Row]) -> pd.DataFrame:
-    """The rows as a pandas table, one column per field of `Row`."""
-    import pandas as pd
-
-    return pd.DataFrame([asdict(row) for row in rows], columns=[f.name for f in fields(Row)])
-
-
-def shifted_geometric_means(
-    rows: Sequence[Row], shift: float = SHIFT_SECONDS
-) -> dict[tuple[str, str], tuple[float, int, int]]:
-    """Per model and solver: shifted geometric mean of total seconds, solved to optimality, tried.
-
-    Only optimal solves have a time; the two counts say how many that are.
-    """
-    groups: dict[tuple[str, str], list[Row]] = {}
-    for row in rows:
-        if row.status != "skipped":
-            groups.setdefault((row.model, row.solver), []).append(row)
-    means = {}
-    for key, group in groups.items():
-        times = [
-            row.total_seconds
-            for row in group
-            if row.status == "optimal" and row.total_seconds is not None
-        ]
-        mean = float(np.exp(np.mean(np.log(np.array(times) + shift))) - shift) if times else np.nan
-        means[key] = (mean, len(times), len(group))
-    return means
-
-
 def read_instances(paths: Sequence[str | Path]) -> list[Instance]:
     """The instances of files; each needs a name of its own, so a nameless one takes its file's.
 
@@ -410,8 +308,3 @@ def comparison(
         time_limit=time_limit,
     )
     return frame(list(compare(todo, jobs=jobs, memory_limit=memory_limit)))
-
-
-def as_documents(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """The rows as JSON-ready documents."""
-    return [asdict(row) for row in rows]

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from .compare import Row
+from .rows import Row
 from .staging import Loss
 
 LINES = ("-", "--", "-.", ":")

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from ..mission.errors import InputError
 from ..mission.files import read_text, write_text
-from .compare import TOLERANCE, Row, as_documents
+from .rows import TOLERANCE, Row, as_documents
 
 FORMAT = "msmrta-comparison/1"
 SHORTEST_SECONDS = 0.1

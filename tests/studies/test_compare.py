@@ -18,16 +18,13 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise import registry, solvers
 from msmrta_opt.studies import compare as study
-from msmrta_opt.studies.compare import (
+from msmrta_opt.studies.compare import cases, compare, read_instances, solve_here
+from msmrta_opt.studies.rows import (
     Row,
     as_documents,
-    cases,
-    compare,
     disagreements,
     frame,
-    read_instances,
     shifted_geometric_means,
-    solve_here,
 )
 
 ROW = Row("paper", "cluster", "model", "highs", None, "optimal", "min", 5.0, 5.0, 0.0, "passed")

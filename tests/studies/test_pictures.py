@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from msmrta_opt.optimise.solution import Status
-from msmrta_opt.studies.compare import Row
 from msmrta_opt.studies.pictures import performance_profile
+from msmrta_opt.studies.rows import Row
 
 
 def row(instance: str, solver: str, seconds: float | None, status: Status = "optimal") -> Row:

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.studies.compare import Row
 from msmrta_opt.studies.regression import FORMAT, changes, read_baseline, save_baseline
+from msmrta_opt.studies.rows import Row
 
 OLD = Row(
     "paper",

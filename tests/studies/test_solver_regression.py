@@ -20,8 +20,9 @@ from msmrta_opt.optimise.solve import AUTO
 from msmrta_opt.optimise.solvers import solvers
 from msmrta_opt.stages.data import STAGES, stage_data
 from msmrta_opt.studies import compare as study
-from msmrta_opt.studies.compare import Row, cases, disagreements, read_instances, solve_here
+from msmrta_opt.studies.compare import cases, read_instances, solve_here
 from msmrta_opt.studies.regression import changes, read_baseline, save_baseline
+from msmrta_opt.studies.rows import Row, disagreements
 
 ROOT = Path(__file__).parents[2]
 BASELINE = ROOT / "tests" / "data" / "solver_baseline.json"
