@@ -36,7 +36,7 @@ def exact(
 
     from ..mission.instance import Instance
     from ..planners import plan as make_plan
-    from .outputs import check_outputs
+    from .outputs import check_outputs, write_plan
     from .tables import show_plan
 
     check_outputs(json, figure=figure)
@@ -64,11 +64,4 @@ def exact(
         report=report,
     )
     show_plan(made)
-    if json is not None:
-        made.save(json)
-        typer.echo(f"plan written to {json}")
-    if figure is not None:
-        from ..plots import save_figure
-
-        save_figure(made.plot(), figure)
-        typer.echo(f"picture written to {figure}")
+    write_plan(made, json, figure)

@@ -54,7 +54,7 @@ def plan(
     from ..mission.errors import InputError
     from ..mission.instance import Instance
     from ..planners import plan as make_plan
-    from .outputs import check_outputs, named_values
+    from .outputs import check_outputs, named_values, write_plan
     from .tables import show_plan
 
     check_outputs(json, figure=figure)
@@ -76,14 +76,7 @@ def plan(
         options[name] = value
     made = make_plan(Instance.read(instance), planner=planner, **options)
     show_plan(made)
-    if json is not None:
-        made.save(json)
-        typer.echo(f"plan written to {json}")
-    if figure is not None:
-        from ..plots import save_figure
-
-        save_figure(made.plot(), figure)
-        typer.echo(f"picture written to {figure}")
+    write_plan(made, json, figure)
 
 
 def planners() -> None:

@@ -12,7 +12,7 @@ from ..mission.files import read_text
 
 if TYPE_CHECKING:
     from ..mission.instance import Instance
-    from ..mission.plan import ScoutingReport
+    from ..mission.plan import Plan, ScoutingReport
 
 
 def check_outputs(*files: Path | None, figure: Path | None = None) -> None:
@@ -39,6 +39,18 @@ def check_outputs(*files: Path | None, figure: Path | None = None) -> None:
                 f"unknown picture format {figure.suffix!r}; the suffix is one of {known}",
                 file=figure,
             )
+
+
+def write_plan(plan: Plan, json: Path | None, figure: Path | None) -> None:
+    """Write a plan's document and its picture where they are asked for, and say so."""
+    if json is not None:
+        plan.save(json)
+        print(f"plan written to {json}")
+    if figure is not None:
+        from ..plots import save_figure
+
+        save_figure(plan.plot(), figure)
+        print(f"picture written to {figure}")
 
 
 def document_format(path: Path) -> str:

@@ -14,15 +14,13 @@ from .canvas import (
     Stamp,
     captions_of,
     draw_stamps,
-    legend_below,
     map_axes,
-    mark_handle,
     plot_map,
-    robot_handles,
     start_stamp,
     visit_stamp,
 )
 from .clusters import draw_centres, draw_outlines
+from .legends import legend_below, mark_handle, robot_handles
 from .style import FAINT, INK, REASONS, STAGES, robot_styles, stage_shapes
 
 

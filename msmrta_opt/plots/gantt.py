@@ -7,7 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from ..mission.plan import Plan, Route
-from .canvas import legend_below, own_axes, size_of
+from .canvas import own_axes, size_of
+from .legends import legend_below
 from .style import FAINT, INK, RobotStyle, robot_styles
 
 BAR = 0.72

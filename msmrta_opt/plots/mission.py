@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 
 from ..mission.plan import Plan
 from .assignment import plot_assignment
-from .canvas import LEGEND_FONT, Picture, panel_size, robot_handles
+from .canvas import Picture, panel_size
 from .gantt import gantt_height, plot_gantt
+from .legends import LEGEND_FONT, robot_handles
 from .paths import plot_paths
 from .scouting import plot_scouting
 from .style import robot_styles

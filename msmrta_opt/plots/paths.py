@@ -12,15 +12,13 @@ from .canvas import (
     draw_stamps,
     draw_walk,
     lanes,
-    legend_below,
     map_axes,
-    mark_handle,
     plot_map,
-    robot_handles,
     start_stamp,
     visit_stamp,
 )
 from .clusters import draw_centres
+from .legends import legend_below, mark_handle, robot_handles
 from .style import robot_styles
 
 

@@ -21,15 +21,13 @@ from .canvas import (
     draw_stamps,
     draw_walk,
     lanes,
-    legend_below,
     map_axes,
-    mark_handle,
     own_axes,
     plot_map,
-    robot_handles,
     size_of,
     start_stamp,
 )
+from .legends import legend_below, mark_handle, robot_handles
 from .style import FAINT, FOUND, INK, MISSED, SIGHT, robot_styles
 
 NAMES_PER_STEP = 3

@@ -1,0 +1,75 @@
+"""Legends below the axes, and their entries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, cast
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from .canvas import size_of
+from .style import FAINT, INK, RobotStyle
+
+LEGEND_FONT = 7.5
+
+
+def legend_below(ax: Axes, handles: Sequence[Artist], *, title: str = "") -> None:
+    """A legend under the axes and its x label, in as many columns as fit."""
+    if not handles:
+        return
+    longest = max(len(str(handle.get_label())) for handle in handles)
+    width, _ = size_of(ax)
+    columns = int(np.clip(width // (longest * 0.55 * LEGEND_FONT + 34), 1, len(handles)))
+    ax.legend(
+        handles=handles,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0),
+        borderaxespad=4.6,  # in font sizes: clears tick labels and the axis label
+        ncols=columns,
+        title=title or None,
+        title_fontsize=LEGEND_FONT,
+        fontsize=LEGEND_FONT,
+        frameon=False,
+        handlelength=1.8,
+        columnspacing=1.4,
+    )
+
+
+def mark_handle(marker: str, label: str, *, face: str = FAINT, edge: str = INK) -> Line2D:
+    """A legend entry that shows a marker."""
+    stroke = marker in ("x", "+")
+    return Line2D(
+        [],
+        [],
+        linestyle="",
+        marker=marker,
+        markersize=7 if not stroke else 6,
+        markerfacecolor=face,
+        markeredgecolor=face if stroke else edge,
+        markeredgewidth=1.5 if stroke else 0.6,
+        label=label,
+    )
+
+
+def robot_handles(
+    styles: Mapping[int, RobotStyle], words: Mapping[int, str] | None = None
+) -> list[Line2D]:
+    """Legend entries of robots: ``R0``, or ``R0: …`` with words for them."""
+    return [
+        Line2D(
+            [],
+            [],
+            color=style.colour,
+            linestyle=cast("Any", style.line),
+            linewidth=2,
+            marker="s",
+            markersize=7,
+            markeredgecolor=INK,
+            markeredgewidth=0.5,
+            label=f"R{robot}: {words[robot]}" if words else f"R{robot}",
+        )
+        for robot, style in styles.items()
+    ]
