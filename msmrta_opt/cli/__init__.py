@@ -18,7 +18,6 @@ from . import compare, exact, missions, models, plans, programs, tradeoff
 app = typer.Typer(
     name="msmrta",
     help="An operations researcher's workbench for multi-robot task assignment in search and rescue.",
-    no_args_is_help=True,
     add_completion=False,
     context_settings={"max_content_width": 120},
     pretty_exceptions_enable=False,
@@ -35,6 +34,9 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:
     """Run one command; returns its exit status."""
+    if not arguments:
+        run(["--help"])
+        return 2
     try:
         status = app(arguments, prog_name="msmrta", standalone_mode=False)
         sys.stdout.flush()
