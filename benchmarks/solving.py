@@ -2,8 +2,9 @@
 
     python benchmarks/solving.py [--repetitions 9]
 
-Raw highspy gets the same arrays, ready-made, and solves them as an integer program. Each figure is a
-median over different data; ratios are medians of the ratios on the same data.
+Raw highspy gets the same arrays, ready-made, and solves them as an integer program; cvxpy builds the
+same problem and canonicalises it for HiGHS, and solves nothing. Each figure is a median over different
+data; ratios are medians of the ratios on the same data.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import cvxpy as cp
 import numpy as np
 
 import msmrta_opt as mo
@@ -62,6 +64,15 @@ def again(model: str, data: object) -> mo.Solution:
     return mo.solve(model, data, **values)
 
 
+def cvxpy_canonicalises(model: str, data: object) -> None:
+    """Build and canonicalise as cvxpy itself does it for HiGHS, parameters at their defaults."""
+    formulation = get(model)
+    problem = formulation.build(data)
+    for name, parameter in problem.param_dict.items():
+        parameter.value = formulation.spec.parameters[name].default
+    problem.get_problem_data(cp.HIGHS)
+
+
 def measure(model: str, data: Callable[[int], object], repetitions: int) -> dict[str, float]:
     """Median milliseconds and ratios of one formulation."""
     rows: dict[str, list[float]] = {}
@@ -70,6 +81,7 @@ def measure(model: str, data: Callable[[int], object], repetitions: int) -> dict
         program = compile_formulation(get(model), data(seed)).program()
         row = {
             "raw highspy": seconds(partial(raw_highs, program, Options())),
+            "cvxpy": seconds(partial(cvxpy_canonicalises, model, data(seed))),
             "canonicalise": compile_formulation(get(model), data(seed)).seconds,
             "first solve": seconds(partial(mo.solve, model, one)),
             "solve again": seconds(partial(again, model, one)),
@@ -78,7 +90,7 @@ def measure(model: str, data: Callable[[int], object], repetitions: int) -> dict
         row["first/raw"] = row["first solve"] / row["raw highspy"]
         row["again/first"] = row["solve again"] / row["first solve"]
         row["no structure/first"] = row["no structure"] / row["first solve"]
-        row["first/canonicalise"] = row["first solve"] / row["canonicalise"]
+        row["first/cvxpy"] = row["first solve"] / row["cvxpy"]
         if seed:  # the first loads what is loaded once
             for name, value in row.items():
                 rows.setdefault(name, []).append(value)
@@ -97,8 +109,8 @@ def main() -> None:
         ("victim_covering", "10×100", lambda s: victims(10, 100, s), repetitions),
         ("cluster_one_to_one", "100×1000", lambda s: clusters(100, 1000, s), 2),
     ]
-    times = ["raw highspy", "canonicalise", "first solve", "solve again", "no structure"]
-    ratios = ["first/raw", "again/first", "no structure/first", "first/canonicalise"]
+    times = ["raw highspy", "cvxpy", "canonicalise", "first solve", "solve again", "no structure"]
+    ratios = ["first/raw", "again/first", "no structure/first", "first/cvxpy"]
     print("Median milliseconds, then medians of ratios")
     print(f"{'formulation':20s}{'size':>10s}" + "".join(f"{name:>20s}" for name in times + ratios))
     for model, size, data, count in cases:
@@ -109,10 +121,10 @@ def main() -> None:
     large = [clusters(100, 5000, seed) for seed in range(3)]
     ratio = [
         seconds(partial(mo.solve, "cluster_one_to_one", data))
-        / compile_formulation(get("cluster_one_to_one"), data).seconds
+        / seconds(partial(cvxpy_canonicalises, "cluster_one_to_one", data))
         for data in large
     ]
-    print(f"\n100×5000: solved in {statistics.median(ratio):.2f}× its canonicalisation time")
+    print(f"\n100×5000: solved in {statistics.median(ratio):.2f}× cvxpy's canonicalisation time")
 
 
 if __name__ == "__main__":

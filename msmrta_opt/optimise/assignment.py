@@ -58,24 +58,24 @@ def solve_assignment(program: Program, structure: Structure) -> tuple[Floats, Fl
 
 
 def _read(program: Program, structure: Structure) -> _Assignment | None:
-    core, side = structure.core, structure.side
-    if side is None or not _is_binary(core.lower, core.upper):
+    core, side, pairs = structure.core, structure.side, structure.pairs
+    if side is None or pairs is None or not _is_binary(core.lower, core.upper):
+        return None
+    if len(pairs) < len(core.columns) or core.matrix.data.min(initial=1) < 0:
         return None
     cardinality = np.flatnonzero(side == 2)
+    if len(cardinality) > 1:
+        return None
     sides = [np.flatnonzero(side == kind) for kind in (0, 1)]
-    ordinary = np.concatenate(sides)
-    at_most_one = core.row_upper[ordinary] == 1
-    free_below = core.row_lower[ordinary] <= 0
-    exactly_one = core.row_lower[ordinary] == 1
-    by_row = core.matrix
-    if len(cardinality) > 1 or by_row.data.min(initial=1) < 0 or not at_most_one.all():
+    ordinary = side < 2
+    free_below, exactly_one = core.row_lower <= 0, core.row_lower == 1
+    if not np.all((free_below | exactly_one)[ordinary]) or np.any(core.row_upper[ordinary] != 1):
         return None
-    if not np.all(free_below | exactly_one):
+    small_kind = int(len(sides[1]) < len(sides[0]))
+    small, large = sides[small_kind], sides[1 - small_kind]
+    if not len(small) or np.any(exactly_one[large]):
         return None
-    small, large = sorted(sides, key=len)
-    if not len(small) or np.any(core.row_lower[large] == 1):
-        return None
-    must = core.row_lower[small] == 1
+    must = exactly_one[small]
     cardinality_row = int(cardinality[0]) if len(cardinality) else None
     if cardinality_row is not None:
         low, high = core.row_lower[cardinality_row], core.row_upper[cardinality_row]
@@ -84,25 +84,16 @@ def _read(program: Program, structure: Structure) -> _Assignment | None:
         must[:] = True
     if must.any() != must.all():
         return None
-    columns = by_row.tocsc()
-    entries = np.diff(columns.indptr) - (cardinality_row is not None)
-    if np.any(entries != 2):
-        return None
     place = np.empty(len(side), dtype=np.int64)
     place[small], place[large] = np.arange(len(small)), np.arange(len(large))
-    is_small = np.zeros(len(side), dtype=bool)
-    is_small[small] = True
-    is_large = np.zeros(len(side), dtype=bool)
-    is_large[large] = True
-    row = place[columns.indices[is_small[columns.indices]]]
-    col = place[columns.indices[is_large[columns.indices]]]
+    row, col = place[pairs[:, small_kind]], place[pairs[:, 1 - small_kind]]
     cost = np.full((len(small), len(large)), np.inf)
     column = np.full((len(small), len(large)), -1, dtype=np.int64)
-    # Of several columns for one pair the cheapest is written last, and stays.
+    # Of several columns for one pair a cheapest stands for all.
     weights = program.sign * program.cost[core.columns]
-    order = np.argsort(-weights, kind="stable")
-    cost[row[order], col[order]] = weights[order]
-    column[row[order], col[order]] = core.columns[order]
+    np.minimum.at(cost, (row, col), weights)
+    cheapest = weights == cost[row, col]
+    column[row[cheapest], col[cheapest]] = core.columns[cheapest]
     return _Assignment(
         cost,
         column,

@@ -48,8 +48,11 @@ def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
     found: list[tuple[float, str]] = []
 
     activity = program.matrix @ x
-    scale = 1.0 + np.abs(program.matrix) @ np.abs(x)
-    missed = np.maximum(program.row_lower - activity, activity - program.row_upper) / scale
+    missed = np.maximum(program.row_lower - activity, activity - program.row_upper)
+    scale = np.ones(len(missed))
+    if not np.all(missed <= TOLERANCE):  # what is not missed at all is not in any scale
+        scale += np.abs(program.matrix) @ np.abs(x)
+    missed = missed / scale
     found.extend(
         (missed[i], f"row '{program.row_name(i)}' is missed by {missed[i] * scale[i]:.2g}")
         for i in _worst(missed, most)
@@ -69,8 +72,9 @@ def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
 
 def _worst(missed: Floats, most: int) -> list[int]:
     """Positions that miss by more than the tolerance, or by what is not a number, worst first."""
-    missed = np.where(np.isnan(missed), np.inf, missed)
-    return [int(i) for i in np.argsort(-missed, kind="stable")[:most] if missed[i] > TOLERANCE]
+    wrong = np.flatnonzero(~(missed <= TOLERANCE))
+    by_how_much = np.where(np.isnan(missed[wrong]), np.inf, missed[wrong])
+    return [int(i) for i in wrong[np.argsort(-by_how_much, kind="stable")][:most]]
 
 
 def dual_bound(program: Program, prices: Floats) -> float:
@@ -87,21 +91,18 @@ def dual_bound(program: Program, prices: Floats) -> float:
         For a minimisation of ``sign * cost``: positive prices lean on ``row_lower``, negative ones
         on ``row_upper``.
     """
-    prices = _leaning(prices, program.row_lower, program.row_upper)
+    prices, of_rows = _leaning(prices, program.row_lower, program.row_upper)
     reduced = program.sign * program.cost - program.matrix.T @ prices
-    reduced = _leaning(reduced, program.lower, program.upper)
-    worth = _least(prices, program.row_lower, program.row_upper)
-    worth += _least(reduced, program.lower, program.upper)
-    return program.sign * worth + program.offset
+    _, of_columns = _leaning(reduced, program.lower, program.upper)
+    return program.sign * (of_rows + of_columns) + program.offset
 
 
-def _leaning(weight: Floats, lower: Floats, upper: Floats) -> Floats:
-    """`weight` without what leans on an infinite side by no more than rounding."""
+def _leaning(weight: Floats, lower: Floats, upper: Floats) -> tuple[Floats, float]:
+    """`weight` without what leans on an infinite side by no more than rounding, and what it proves.
+
+    That is the least value of ``weight @ z`` over ``lower ≤ z ≤ upper``.
+    """
     side = np.where(weight > 0, lower, upper)
-    return np.where(np.isinf(side) & (np.abs(weight) < 1e-9), 0.0, weight)
-
-
-def _least(weight: Floats, lower: Floats, upper: Floats) -> float:
-    """Least value of ``weight @ z`` over ``lower ≤ z ≤ upper``."""
-    side = np.where(weight > 0, lower, upper)
-    return float(np.sum(weight[weight != 0] * side[weight != 0]))
+    weight = np.where(np.isinf(side) & (np.abs(weight) < 1e-9), 0.0, weight)
+    leans = weight != 0
+    return weight, float(np.sum(weight[leans] * side[leans]))

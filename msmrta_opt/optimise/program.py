@@ -119,7 +119,7 @@ class Program:
             (*theirs, other.matrix.indptr, other.matrix.indices, other.matrix.data),
             strict=True,
         )
-        return all(np.array_equal(a, b) for a, b in arrays)
+        return all(a is b or np.array_equal(a, b) for a, b in arrays)
 
     def relaxed(self) -> Program:
         """The same program without integrality."""

@@ -209,9 +209,9 @@ def _by_structure(
         answer = solve_assignment(program, structure)
         if answer is not None:
             x, prices = answer
-            if _is_tight(program, x, dual_bound(relaxed, prices)):
+            bound = dual_bound(relaxed, prices)
+            if _is_tight(program, x, bound):
                 proof = f"{structure.description}; assignment algorithm, dual prices"
-                bound = dual_bound(relaxed, prices)
                 return "lsa", Outcome("optimal", x, bound, prices=prices, proof=proof)
         proof = f"{structure.description}; simplex, dual prices"
     else:

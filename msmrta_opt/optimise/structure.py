@@ -45,12 +45,15 @@ class Structure:
         The rows and columns that the proof is about.
     side : int array, shape (n_core_rows,), optional
         For *bipartite*: 0 and 1 for rows of the two kinds, 2 for rows with every column.
+    pairs : int array, shape (n_pairs, 2), optional
+        For *bipartite*: the row of either kind of each column that has both, in the order of columns.
     """
 
     kind: Kind
     description: str
     core: Core
     side: Ints | None = None
+    pairs: Ints | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,38 +128,39 @@ def _core(program: Program) -> Core | None:
 
 
 def _bipartite(core: Core) -> Structure | None:
+    matrix = core.matrix
+    n_rows, n_columns = matrix.shape
+    entries = np.diff(matrix.indptr)
     # A row may be written with the other sign throughout; only mixed signs are another matter.
-    sign = _row_signs(core.matrix)
-    if sign is None:
+    if np.any(np.abs(matrix @ np.ones(n_columns)) != entries):
         return None
-    n_rows, n_columns = core.matrix.shape
-    everything = np.diff(core.matrix.indptr) == n_columns
-    some = np.flatnonzero(~everything)
-    by_column: csc_array = abs(core.matrix[some]).tocsc()
-    entries = np.diff(by_column.indptr)
-    if entries.size and entries.max() > 2:
+    everything = entries == n_columns
+    pairs = _pairs(matrix, ~everything)
+    if pairs is None:
         return None
-    first = by_column.indices[by_column.indptr[:-1][entries == 2]]
-    second = by_column.indices[by_column.indptr[:-1][entries == 2] + 1]
-    colour = _two_colours(len(some), first, second, np.ones(len(first), dtype=bool))
-    if colour is None:
+    side = _two_colours(n_rows, pairs[:, 0], pairs[:, 1], np.ones(len(pairs), dtype=bool))
+    if side is None:
         return None
-    side = np.full(n_rows, 2, dtype=np.int64)
-    side[some] = colour
-    both = entries.size > 0 and bool(np.any(entries == 2))
-    what = "bipartite assignment rows" if both else "semi-assignment rows"
+    what = "bipartite assignment rows" if len(pairs) else "semi-assignment rows"
     if everything.any():
         what += " and a cardinality"
-    return Structure("bipartite", f"{what}: totally unimodular", core, side)
+    of_first = side[pairs[:, :1]] == 0
+    pairs, side = np.where(of_first, pairs, pairs[:, ::-1]), np.where(everything, 2, side)
+    return Structure("bipartite", f"{what}: totally unimodular", core, side, pairs)
 
 
-def _row_signs(matrix: csr_array) -> Floats | None:
-    """The common sign of each row's entries, or ``None`` if a row has both."""
-    positive = np.asarray((matrix > 0).sum(axis=1)).ravel()
-    entries = np.diff(matrix.indptr)
-    if np.any((positive != 0) & (positive != entries)):
+def _pairs(matrix: csr_array, chosen: Bools) -> Ints | None:
+    """The two `chosen` rows of each column that has two; ``None`` if a column has more."""
+    n_rows, n_columns = matrix.shape
+    row = np.repeat(np.arange(n_rows), np.diff(matrix.indptr))
+    kept = chosen[row]
+    row, column = row[kept], matrix.indices[kept]
+    count = np.bincount(column, minlength=n_columns)
+    if count.max(initial=0) > 2:
         return None
-    return np.where(positive > 0, 1.0, -1.0)
+    row = row[np.argsort(column, kind="stable")]
+    first = (np.cumsum(count) - count)[count == 2]
+    return np.stack([row[first], row[first + 1]], axis=1)
 
 
 def _network(core: Core) -> Structure | None:
@@ -199,7 +203,7 @@ def _two_colours(n: int, first: Ints, second: Ints, differ: Bools) -> Ints | Non
     other = np.where(differ, second + n, second)
     mirror = np.where(differ, second, second + n)
     ends = (np.concatenate([first, first + n]), np.concatenate([other, mirror]))
-    cover = csr_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(2 * n, 2 * n))
+    cover = csr_array((np.ones(len(ends[0])), ends), shape=(2 * n, 2 * n))
     _, part = connected_components(cover, directed=False)
     if np.any(part[:n] == part[n:]):
         return None

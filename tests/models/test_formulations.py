@@ -16,6 +16,8 @@ from support.brute import ORACLES
 from support.joint_cases import on_a_line
 
 from msmrta_opt.mission.instance import Instance
+from msmrta_opt.optimise import compile as compile_module
+from msmrta_opt.optimise.canonical import Canonical, canonicalise
 from msmrta_opt.optimise.formulation import ClusterData, Spec, VictimData
 from msmrta_opt.optimise.registry import get, listings
 from msmrta_opt.optimise.solve import solve
@@ -315,13 +317,11 @@ def test_a_new_parameter_value_is_solved_without_building_or_canonicalising_agai
         calls.append("build")
         return formulation.build(data)
 
-    canonicalise = cp.Problem.get_problem_data
-
-    def counted_canonicalise(self: cp.Problem, *args: Any, **options: Any) -> Any:
+    def counted_canonicalise(*arguments: Any) -> Canonical:
         calls.append("canonicalise")
-        return canonicalise(self, *args, **options)
+        return canonicalise(*arguments)
 
-    monkeypatch.setattr(cp.Problem, "get_problem_data", counted_canonicalise)
+    monkeypatch.setattr(compile_module, "canonicalise", counted_canonicalise)
     counted = type(formulation)(
         name, formulation.path, formulation.spec, formulation.mathematics, counted_build
     )

@@ -10,22 +10,14 @@ import numpy as np
 import pytest
 from support.joint_cases import on_a_line, small_mission
 from support.joint_oracle import least
+from support.oracles import WEIGHTS, routes_of
 
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.optimise.routing.data import Objective, Routes, RoutingData, faults, value
+from msmrta_opt.optimise.routing.data import Objective, RoutingData, faults, value
 from msmrta_opt.optimise.solution import Solution
 from msmrta_opt.optimise.solve import solve
 from msmrta_opt.stages.data import stage_data
 
-WEIGHTS: dict[str, dict[Objective, dict[str, float]]] = {
-    "joint_routing_flow": {"total_time": {"w": 0}, "makespan": {"w": 1}},
-    "joint_routing_mtz": {
-        "total_time": {"w_total": 1, "w_makespan": 0, "w_latency": 0},
-        "makespan": {"w_total": 0, "w_makespan": 1, "w_latency": 0},
-        "latency": {"w_total": 0, "w_makespan": 0, "w_latency": 1},
-    },
-}
-"""By formulation, the parameters that make it minimise an objective."""
 PAIRS = [(model, objective) for model, objectives in WEIGHTS.items() for objective in objectives]
 both = pytest.mark.parametrize("model", WEIGHTS)
 
@@ -50,19 +42,6 @@ def answer(
 ) -> Solution:
     weights: dict[str, Any] = {**WEIGHTS[model][objective]}
     return solve(model, data, solver=solver, **weights)
-
-
-def routes_of(solution: Solution) -> Routes:
-    """The routes that ``x`` and ``a`` say, followed from each robot's start."""
-    x, a = solution.values["x"] > 0.5, solution.values["a"] > 0.5
-    routes = []
-    for r in range(len(x)):
-        route, place = [], x.shape[2]
-        while x[r, place].any():
-            place = int(np.argmax(x[r, place]))
-            route.append((place, tuple(int(k) for k in np.flatnonzero(a[r, place]))))
-        routes.append(tuple(route))
-    return tuple(routes)
 
 
 def assert_worth(solution: Solution, data: RoutingData, objective: Objective, worth: float) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from support.exhaustive import ORACLES, key
+from support.oracles import ANSWER
 from support.small_cases import (
     cluster_cases,
     clustering_cases,
@@ -26,9 +27,6 @@ from msmrta_opt.optimise.formulation import (
 )
 from msmrta_opt.optimise.registry import get
 from msmrta_opt.optimise.solve import solve
-
-ANSWER = {"clustering": ("y", "median"), "cluster": ("x",), "victim": ("x",), "joint": ("x", "y")}
-"""The binary variables that make an answer, by stage."""
 
 
 def assert_agrees(name: str, data: Any, **parameters: float) -> None:

@@ -1,0 +1,209 @@
+"""The coefficients of affine cvxpy expressions.
+
+An expression's entries are numbered in column-major order, those of the variables likewise, one variable
+after the other; a coefficient is a number, times a parameter of the problem or not. What the commonest
+atoms (sums, products with data and parameters, selections) do to the coefficients of their arguments
+is a line of numpy each. Those of any other atom are asked of cvxpy, which compiles what it is given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import singledispatchmethod
+from typing import NamedTuple
+
+import cvxpy as cp
+import numpy as np
+from cvxpy.atoms.affine.add_expr import AddExpression
+from cvxpy.atoms.affine.affine_atom import AffAtom
+from cvxpy.atoms.affine.binary_operators import DivExpression, multiply
+from cvxpy.atoms.affine.broadcast_to import broadcast_to
+from cvxpy.atoms.affine.index import index, special_index
+from cvxpy.atoms.affine.promote import Promote
+from cvxpy.atoms.affine.reshape import reshape
+from cvxpy.atoms.affine.sum import Sum
+from cvxpy.atoms.affine.transpose import transpose
+from cvxpy.atoms.affine.unary_operators import NegExpression
+from cvxpy.expressions.leaf import Leaf
+from cvxpy.reductions import InverseData
+from cvxpy.utilities.coeff_extractor import CoeffExtractor
+from scipy.sparse import issparse
+
+from .formulation import Bools, Floats, Ints
+
+
+def nodes(expressions: list[cp.Expression]) -> Iterator[cp.Expression]:
+    """All expressions of which `expressions` are made, themselves included."""
+    todo = list(expressions)
+    while todo:
+        node = todo.pop()
+        yield node
+        todo.extend(node.args)
+
+
+def are_affine(expressions: list[cp.Expression]) -> bool:
+    """Whether `expressions` are affine atoms of real numbers all through, none of them empty."""
+    return all(
+        node.size > 0 and (isinstance(node, AffAtom) or (isinstance(node, Leaf) and node.is_real()))
+        for node in nodes(expressions)
+    )
+
+
+class Coefficients(NamedTuple):
+    """Numbers, each with its place: coefficients of equal places add up."""
+
+    row: Ints
+    """The entry of the expression."""
+    column: Ints
+    """The entry of the variables, or their number for a constant."""
+    parameter: Ints
+    """The parameter that the number is multiplied with, or their number for none."""
+    number: Floats
+
+    def where(self, chosen: Bools | Ints) -> Coefficients:
+        """Those `chosen`, by truth or by position."""
+        row, column, parameter, number = self
+        return Coefficients(row[chosen], column[chosen], parameter[chosen], number[chosen])
+
+    def at(self, row: Ints) -> Coefficients:
+        """The same, but in other entries of an expression."""
+        return self._replace(row=row)
+
+
+class Reader:
+    """Reads the affine expressions of one problem, whose parameters are scalars in DPP form."""
+
+    def __init__(self, problem: cp.Problem) -> None:
+        self._places = InverseData(problem)
+        self.variables: list[cp.Variable] = problem.variables()
+        self.parameters: list[cp.Parameter] = problem.parameters()
+        self.starts: list[int] = [self._places.var_offsets[item.id] for item in self.variables]
+        self.n_columns = sum(item.size for item in self.variables)
+        self._start = dict(zip((item.id for item in self.variables), self.starts, strict=True))
+        self._number = {item.id: number for number, item in enumerate(self.parameters)}
+
+    def stacked(self, expressions: list[cp.Expression]) -> Coefficients:
+        """Those of `expressions`, one below the other.
+
+        Raises
+        ------
+        NotImplementedError
+            If cvxpy has to restate one of them, or has no coefficients for it.
+        """
+        parts, below = [], 0
+        for expression in expressions:
+            part = self.of(expression)
+            parts.append(part.at(part.row + below))
+            below += expression.size
+        return _joined(parts)
+
+    def of(self, node: cp.Expression) -> Coefficients:
+        """Those of one expression."""
+        if node.is_constant() and not node.parameters():
+            value = node.value.toarray() if issparse(node.value) else np.asarray(node.value)
+            return self._plain(self.n_columns, np.asarray(value.ravel(order="F"), dtype=float))
+        found: Coefficients = self._of(node)
+        return found
+
+    def _plain(self, column: int | Ints, number: Floats) -> Coefficients:
+        """One coefficient for each entry, without a parameter."""
+        row = np.arange(len(number))
+        columns = np.broadcast_to(column, row.shape)
+        return Coefficients(row, columns, np.full(len(row), len(self.parameters)), number)
+
+    @singledispatchmethod
+    def _of(self, node: cp.Expression) -> Coefficients:
+        return self._by_cvxpy(node)
+
+    def _by_cvxpy(self, node: cp.Expression) -> Coefficients:
+        _, added = node.canonical_form
+        if added or any(part.ndim > 2 for part in nodes([node])):
+            raise NotImplementedError  # it needs rows of its own, or more axes than cvxpy compiles
+        tensor = CoeffExtractor(self._places, None).affine([node]).tocoo()
+        place, parameter = tensor.coords
+        column, row = np.divmod(place, node.size)
+        own = np.full(tensor.shape[1], len(self.parameters))
+        for item in self.parameters:
+            own[self._places.param_id_map[item.id]] = self._number[item.id]
+        return Coefficients(row, column, own[parameter], tensor.data)
+
+    @_of.register(cp.Variable)
+    def _(self, node: cp.Variable) -> Coefficients:
+        return self._plain(self._start[node.id] + np.arange(node.size), np.ones(node.size))
+
+    @_of.register(cp.Parameter)
+    def _(self, node: cp.Parameter) -> Coefficients:
+        alone = self._plain(self.n_columns, np.ones(1))
+        return alone._replace(parameter=np.array([self._number[node.id]]))
+
+    @_of.register(NegExpression)
+    def _(self, node: NegExpression) -> Coefficients:
+        inner = self.of(node.args[0])
+        return inner._replace(number=-inner.number)
+
+    @_of.register(AddExpression)
+    def _(self, node: AddExpression) -> Coefficients:
+        if any(item.size != node.size for item in node.args):
+            return self._by_cvxpy(node)
+        return _joined([self.of(item) for item in node.args])
+
+    @_of.register(multiply)
+    def _(self, node: multiply) -> Coefficients:
+        factor, other = node.args if node.args[0].is_constant() else node.args[::-1]
+        inner = self.of(other)
+        if not factor.parameters():
+            numbers = self.of(factor).number[inner.row] * inner.number
+            return inner._replace(number=numbers).where(numbers != 0)
+        if isinstance(factor, Promote):
+            factor = factor.args[0]
+        if not factor.is_scalar():
+            return self._by_cvxpy(node)
+        parts = []
+        for _, _, parameter, number in zip(*self.of(factor), strict=True):
+            weighed = inner._replace(number=inner.number * number)
+            if parameter < len(self.parameters):  # in DPP form the other side is without
+                weighed = weighed._replace(parameter=np.full(len(inner.row), parameter))
+            parts.append(weighed)
+        return _joined(parts)
+
+    @_of.register(DivExpression)
+    def _(self, node: DivExpression) -> Coefficients:
+        if node.args[1].parameters():
+            return self._by_cvxpy(node)
+        inner, divisor = (self.of(item) for item in node.args)
+        return inner._replace(number=inner.number / divisor.number[inner.row])
+
+    @_of.register(Sum)
+    def _(self, node: Sum) -> Coefficients:
+        (summed,) = node.args
+        kept = np.zeros(summed.shape).sum(axis=node.axis, keepdims=True).shape
+        into = np.arange(node.size).reshape(kept, order="F")
+        row = np.broadcast_to(into, summed.shape).ravel(order="F")
+        inner = self.of(summed)
+        return inner.at(row[inner.row])
+
+    @_of.register(Promote)
+    @_of.register(broadcast_to)
+    @_of.register(index)
+    @_of.register(special_index)
+    @_of.register(reshape)
+    @_of.register(transpose)
+    def _(self, node: cp.Expression) -> Coefficients:
+        (inner,) = node.args
+        numbered = np.arange(inner.size).reshape(inner.shape, order="F")
+        source = np.asarray(node.numeric([numbered])).astype(np.int64)
+        return _taken(self.of(inner), source.ravel(order="F"))
+
+
+def _joined(parts: list[Coefficients]) -> Coefficients:
+    return Coefficients(*(np.concatenate(same) for same in zip(*parts, strict=True)))
+
+
+def _taken(inner: Coefficients, source: Ints) -> Coefficients:
+    """Those of an expression whose entries are the entries `source` of another."""
+    by_row = np.argsort(inner.row, kind="stable")
+    count = np.bincount(inner.row, minlength=int(source.max()) + 1)
+    first = np.cumsum(count) - count
+    row = np.repeat(np.arange(len(source)), count[source])
+    within = np.arange(len(row)) - np.searchsorted(row, row)
+    return inner.where(by_row[first[source][row] + within]).at(row)

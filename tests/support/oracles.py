@@ -1,0 +1,150 @@
+"""Small questions to every shipped formulation, and what brute force says to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from support import brute, exhaustive
+from support.joint_cases import on_a_line, small_mission
+from support.joint_oracle import least
+from support.small_cases import dense_case
+
+from msmrta_opt.optimise.formulation import ClusterData, ClusteringData, VictimData
+from msmrta_opt.optimise.registry import get
+from msmrta_opt.optimise.routing.data import Objective, Routes, RoutingData, faults, value
+from msmrta_opt.optimise.solution import Solution
+
+ANSWER = {"clustering": ("y", "median"), "cluster": ("x",), "victim": ("x",), "joint": ("x", "y")}
+"""The binary variables that make an answer, by stage; of routes see `routes_of`."""
+WEIGHTS: dict[str, dict[Objective, dict[str, float]]] = {
+    "joint_routing_flow": {"total_time": {"w": 0}, "makespan": {"w": 1}},
+    "joint_routing_mtz": {
+        "total_time": {"w_total": 1, "w_makespan": 0, "w_latency": 0},
+        "makespan": {"w_total": 0, "w_makespan": 1, "w_latency": 0},
+        "latency": {"w_total": 0, "w_makespan": 0, "w_latency": 1},
+    },
+}
+"""By formulation, the parameters that make it minimise an objective."""
+KNOWN = {*brute.ORACLES, *exhaustive.ORACLES, *WEIGHTS}
+"""The formulations that have an oracle."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """Data and parameters, the best that brute force finds, and its worth of any answer.
+
+    ``best`` is ``None`` if there is no answer; so is ``worth`` of what is not one.
+    """
+
+    data: Any
+    parameters: dict[str, float]
+    best: float | None
+    worth: Callable[[Solution], float | None]
+
+
+def questions(name: str) -> Iterator[Question]:
+    """Questions to the formulation `name`, some of them without an answer where that can be."""
+    spec = get(name).spec
+    if name in WEIGHTS:
+        for objective, weights in WEIGHTS[name].items():
+            for data in _missions():
+                yield _about_routes(data, objective, weights)
+        return
+    for number, data in enumerate(_data(spec.stage)):
+        shares = (0.25, 0.5, 1.0)
+        parameters = {
+            parameter: shares[(number + place) % 3]
+            for place, parameter in enumerate(spec.parameters)
+        }
+        ask = _by_tables if name in brute.ORACLES else _by_answers
+        yield ask(name, data, parameters)
+
+
+def _by_tables(name: str, data: Any, parameters: dict[str, float]) -> Question:
+    judged = brute.ORACLES[name](data, *parameters.values())
+    return Question(
+        data, parameters, judged.best, lambda solution: judged.worth_of(solution.values["x"])
+    )
+
+
+def _by_answers(name: str, data: Any, parameters: dict[str, float]) -> Question:
+    answers, tables = exhaustive.ORACLES[name](data, **parameters), ANSWER[get(name).spec.stage]
+    best = max if name == "cluster_fair" else min
+    return Question(
+        data,
+        parameters,
+        best(answers.values(), default=None),
+        lambda solution: answers.get(exhaustive.key(*(solution.values[t] for t in tables))),
+    )
+
+
+def _about_routes(data: RoutingData, objective: Objective, weights: dict[str, float]) -> Question:
+    def worth(solution: Solution) -> float | None:
+        routes = routes_of(solution)
+        return None if faults(data, routes) else value(data, routes, objective)
+
+    best = least(data, objective)
+    return Question(data, weights, best if np.isfinite(best) else None, worth)
+
+
+def routes_of(solution: Solution) -> Routes:
+    """The routes that ``x`` and ``a`` say, followed from each robot's start."""
+    x, a = solution.values["x"] > 0.5, solution.values["a"] > 0.5
+    routes = []
+    for r in range(len(x)):
+        route, place = [], x.shape[2]
+        while x[r, place].any():
+            place = int(np.argmax(x[r, place]))
+            route.append((place, tuple(int(k) for k in np.flatnonzero(a[r, place]))))
+        routes.append(tuple(route))
+    return tuple(routes)
+
+
+def _missions() -> list[RoutingData]:
+    """Two robots: on a line, kept to their limits; limits that leave no plan; among walls."""
+    line = on_a_line([0, 10], [3, 4], [[[True], [True]]] * 2, service=1)
+    return [
+        replace(line, longest_walk=np.array([3.5, 6.5])),
+        replace(line, longest_walk=np.array([2.5, 6.5])),
+        small_mission(0, 2, 3),
+        small_mission(3, 2, 2, return_to_start=True),
+    ]
+
+
+def _data(stage: str) -> list[Any]:
+    """Dense data, and where things run out: clusters, reach, budgets or endurance."""
+    dense = [dense_case(stage, seed) for seed in range(4)]
+    return [*dense, *SCARCE.get(stage, [])]
+
+
+_APART = ClusteringData(
+    distance=np.array([[0.0, 3, 0], [3, 0, 0], [0, 0, 0]]),
+    can_reach=np.array([[True, True, False], [True, True, False], [False, False, True]]),
+    weight=np.array([1.0, 2, 1]),
+    n_clusters=2,
+)
+_CHOOSY = VictimData(
+    # Robot 0 cannot serve victim 1, nobody victim 2; endurance 9 is enough for one victim only.
+    success=np.array([[5.0, 0, 0], [4, 6, 0]]),
+    failure=np.array([[1.0, 0, 0], [0, 2, 0]]),
+    can_serve=np.array([[True, False, False], [True, True, False]]),
+    busy=np.array([1.0, 0]),
+    budget=np.array([1, 1]),
+    endurance=np.array([5.0, 9]),
+)
+SCARCE: dict[str, list[Any]] = {
+    # Two parts of a map need two medians: with one there is no answer.
+    "clustering": [_APART, replace(_APART, n_clusters=1)],
+    "cluster": [
+        ClusterData(np.array([[3.0], [5], [4]]), np.array([[3.0], [0], [4]]), np.array([1, 0, 1])),
+        ClusterData(np.array([[3.0, 1, 2]]), np.zeros((1, 3)), np.array([2])),
+    ],
+    "victim": [
+        _CHOOSY,
+        replace(_CHOOSY, endurance=np.array([4.0, 5])),  # nobody has time for victim 1
+        replace(_CHOOSY, can_serve=np.zeros((2, 3), bool)),
+    ],
+}
