@@ -20,10 +20,14 @@ def register(app: typer.Typer) -> None:
 def exact(
     instance: InstanceFile,
     objective: Annotated[str, typer.Option(help="total_time, makespan or latency.")] = "total_time",
-    time_limit: Annotated[float, typer.Option(help="Seconds.")] = 60.0,
-    gap: Annotated[float, typer.Option(help="Relative gap to stop at.")] = 0.0,
-    endurance: Annotated[float | None, typer.Option(help="Most time units per robot.")] = None,
-    longest_walk: Annotated[float | None, typer.Option(help="Most cells per robot.")] = None,
+    time_limit: Annotated[float, typer.Option(help="Seconds of wall time.")] = 60.0,
+    gap: Annotated[float, typer.Option(help="Relative gap to stop at, 0 to 1.")] = 0.0,
+    endurance: Annotated[
+        float | None, typer.Option(help="Most time units that a robot may be busy.")
+    ] = None,
+    longest_walk: Annotated[
+        float | None, typer.Option(help="Most cells that a robot may walk.")
+    ] = None,
     return_to_start: Annotated[
         bool, typer.Option("--return/--open", help="Whether robots walk back to their starts.")
     ] = False,
@@ -31,7 +35,11 @@ def exact(
     json: Json = None,
     figure: Figure = None,
 ) -> None:
-    """Plan a mission as well as the time allows, and prove how good the plan is."""
+    """Plan a mission as well as the time allows, and prove how good the plan is.
+
+    The plan that --json writes carries its limits and what proves the root bound, so that
+    `msmrta check --bound` can prove it again.
+    """
     import time
 
     from ..mission.instance import Instance

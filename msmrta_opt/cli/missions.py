@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .check import check
+
 if TYPE_CHECKING:
     from ..planners.base import Planner
 
@@ -113,35 +115,6 @@ def _plain(value: object) -> str:
     import json
 
     return value if isinstance(value, str) else json.dumps(value)
-
-
-def check(
-    files: Annotated[list[Path], typer.Argument(help="Instance and plan files.", metavar="FILE…")],
-) -> None:
-    """Check instances and plans; plans by a checker that shares no code with the planners."""
-    from ..mission.check import problems
-    from ..mission.instance import Instance
-    from ..mission.plan import Plan
-    from .outputs import document_format
-
-    failed = False
-    for file in files:
-        if document_format(file).startswith("msmrta-plan"):
-            plan = Plan.read(file)
-            wrong = problems(plan)
-            for problem in wrong:
-                typer.echo(f"{file}: {problem}", err=True)
-            failed = failed or bool(wrong)
-            if not wrong:
-                typer.echo(f"{file}: the plan holds ({plan.metrics.n_served} requirements served)")
-        else:
-            instance = Instance.read(file)
-            typer.echo(
-                f"{file}: a valid instance ({instance.n_robots} robots, "
-                f"{instance.n_victims} victims, {len(instance.scouts)} scouts)"
-            )
-    if failed:
-        raise typer.Exit(1)
 
 
 def scout(

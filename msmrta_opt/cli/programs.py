@@ -12,6 +12,7 @@ from .models import Folders, Model, add_folders
 from .outputs import named_values
 
 if TYPE_CHECKING:
+    from ..optimise.formulation import Floats
     from ..optimise.registry import Formulation
     from ..optimise.solution import Solution
 
@@ -43,6 +44,14 @@ def solve(
     gap: Annotated[float | None, typer.Option(help="Relative gap to stop at.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of the solver's random choices.")] = None,
     threads: Annotated[int | None, typer.Option(help="Of the solver.  [default: 1]")] = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            help="For the stage routing: a plan to start from, by its file or its planner; "
+            "staged is msmrta.",
+            metavar="PLAN.json|PLANNER",
+        ),
+    ] = None,
     verbose: Annotated[bool, typer.Option("--verbose", help="Show the solver's log.")] = False,
     parameters: Parameters = None,
     options: Options = None,
@@ -52,6 +61,7 @@ def solve(
     from ..optimise.solve import solve as solve_it
 
     formulation, data = _prepared(model, instance, options, folders)
+    point = None if start is None else _start(start, formulation, data, instance, options)
     solution = solve_it(
         formulation,
         data,
@@ -61,12 +71,44 @@ def solve(
         gap=gap,
         seed=seed,
         threads=threads,
+        start=point,
         verbose=verbose,
         **_numbers(formulation, parameters),
     )
     _show_solution(solution)
     if not solution.found:
         raise typer.Exit(1)
+
+
+def _start(
+    text: str, formulation: Formulation, data: Any, instance: Path, options: list[str] | None
+) -> dict[str, Floats]:
+    """The plan of a file, or of a planner, as a point to start from."""
+    from ..mission.check import problems
+    from ..mission.errors import InputError
+    from ..mission.instance import Instance
+    from ..mission.plan import Plan
+    from ..planners import plan as make_plan
+    from ..planners import planners
+    from ..planners.mip_start import mip_start
+
+    if formulation.spec.stage != "routing":
+        raise InputError(
+            f"a plan is no start for a formulation of stage {formulation.spec.stage!r}; "
+            "give one of 'routing'",
+            field="--start",
+        )
+    mission = Instance.read(instance)
+    if text in planners() or text == "staged":
+        seed = named_values(options).get("seed", 0)
+        made = make_plan(mission, planner="msmrta" if text == "staged" else text, seed=seed)
+    else:
+        made = Plan.read(text)
+        if wrong := problems(made):
+            raise InputError(f"the plan does not hold: {wrong[0]}", file=text)
+        if not made.is_for(mission):
+            raise InputError(f"the plan is for another mission than {instance}", file=text)
+    return mip_start(made, data, formulation)
 
 
 def _show_solution(solution: Solution) -> None:

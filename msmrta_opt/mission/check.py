@@ -8,10 +8,13 @@ from __future__ import annotations
 
 from collections import Counter
 from itertools import pairwise
+from math import isfinite
+from numbers import Real
 
 from .errors import CheckError
 from .grid import Cell
 from .instance import Instance
+from .joint import servable
 from .plan import (
     BEYOND_ENDURANCE,
     NO_CAPABLE_ROBOT_REACHES_IT,
@@ -30,10 +33,12 @@ def problems(plan: Plan) -> list[str]:
     Robots and victims exist and each robot has at most one route; routes start at the robot's
     start and move one free cell at a time; each visit ends at its victim, at the right time, and
     serves kinds that the robot has and the victim needs; each available requirement is served
-    exactly once; what is unserved is listed once, with the true reason.
+    exactly once; what is unserved is listed once, with the true reason; and robots keep to the
+    limits that the plan's options say it was made under (``endurance`` in time units,
+    ``longest_walk`` in cells, ``return_to_start``).
     """
-    wrong = _names(plan)
-    return wrong or _routes(plan) + _services(plan)
+    wrong = _names(plan) + _limits(plan)
+    return wrong or _routes(plan) + _within_limits(plan) + _services(plan)
 
 
 def check_plan(plan: Plan) -> Plan:
@@ -79,6 +84,20 @@ def _names(plan: Plan) -> list[str]:
     return wrong
 
 
+def _limits(plan: Plan) -> list[str]:
+    """The limits that the plan was made under are numbers, and whether to return is yes or no."""
+    wrong = []
+    for name in ("endurance", "longest_walk"):
+        most = plan.limits.get(name)
+        number = isinstance(most, Real) and not isinstance(most, bool)
+        if most is not None and not (number and isfinite(most) and most >= 0):
+            wrong.append(f"option {name} is {most!r}, which is no number from 0 on")
+    returns = plan.limits.get("return_to_start")
+    if returns is not None and not isinstance(returns, bool):
+        wrong.append(f"option return_to_start is {returns!r}, which is not true or false")
+    return wrong
+
+
 def _routes(plan: Plan) -> list[str]:
     """Moves legal, stops where they should be, times consistent."""
     instance = plan.instance
@@ -111,6 +130,26 @@ def _routes(plan: Plan) -> list[str]:
             wrong.extend(
                 _walk(instance, f"robot {robot.id} on its way back", here, robot.start, route.back)
             )
+    return wrong
+
+
+def _within_limits(plan: Plan) -> list[str]:
+    """No robot is busy or walks beyond its limits, and all return if they are to."""
+    endurance, longest_walk = (plan.limits.get(name) for name in ("endurance", "longest_walk"))
+    robots = {robot.id: robot for robot in plan.instance.robots}
+    wrong = []
+    for route in plan.routes:
+        if not route.visits:
+            continue
+        robot, last = robots[route.robot], route.visits[-1]
+        busy = last.departure + max(len(route.back) - 1, 0) / robot.speed
+        if endurance is not None and busy > endurance + TOLERANCE:
+            wrong.append(f"robot {robot.id} is busy for {busy:g}, beyond its {endurance:g}")
+        if longest_walk is not None and route.distance > longest_walk:
+            wrong.append(f"robot {robot.id} walks {route.distance}, beyond its {longest_walk:g}")
+        stays = not route.back and last.cells[-1] != robot.start
+        if plan.limits.get("return_to_start") and stays:
+            wrong.append(f"robot {robot.id} stays at {last.cells[-1]} instead of returning")
     return wrong
 
 
@@ -152,6 +191,9 @@ def _services(plan: Plan) -> list[str]:
                     wrong.append(f"victim {visit.victim} is served {kind} without needing it")
     listed = Counter((item.victim, item.kind) for item in plan.unserved)
     reason = {(item.victim, item.kind): item.reason for item in plan.unserved}
+    within = (
+        {(v, k) for _, v, k in servable(plan)} if BEYOND_ENDURANCE in reason.values() else set()
+    )
     for victim in instance.victims:
         for kind in victim.requirements:
             need = (victim.id, kind)
@@ -172,6 +214,8 @@ def _services(plan: Plan) -> list[str]:
             if listed[need]:
                 said = reason[need]
                 if said == BEYOND_ENDURANCE and true is None and _limited(plan):
+                    if need in within:
+                        wrong.append(f"{what} is unserved, but is within some robot's limits")
                     continue
                 if said != true:
                     wrong.append(
@@ -182,7 +226,7 @@ def _services(plan: Plan) -> list[str]:
 
 def _limited(plan: Plan) -> bool:
     """Whether the plan was made under a limit that can leave an available requirement open."""
-    return any(plan.options.get(name) is not None for name in ("endurance", "longest_walk"))
+    return any(plan.limits.get(name) is not None for name in ("endurance", "longest_walk"))
 
 
 def _components(instance: Instance) -> dict[Cell, int]:

@@ -19,6 +19,7 @@ from .files import read_text, write_text
 from .grid import Cell
 from .instance import CellField, Instance
 from .metrics import Metrics, metrics
+from .proof import RootProof
 from .validation import first_problem
 
 if TYPE_CHECKING:
@@ -38,6 +39,10 @@ NOT_FOUND: Reason = "not found by the scouts"
 BEYOND_ENDURANCE: Reason = "beyond the robots' endurance"
 
 Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+LIMITS = ("endurance", "longest_walk", "return_to_start")
+"""Most time units that a robot is busy; most cells that it walks; whether it ends where it began."""
 
 
 class _Record(BaseModel):
@@ -142,7 +147,8 @@ class Certificate(_Record):
     """What is proven about the answer to one integer program.
 
     ``bound`` and ``objective`` are in the model's own sense, ``gap`` is relative; ``proof`` says
-    how the bound was obtained, ``check`` is the verdict of the independent check.
+    how the bound was obtained, ``check`` is the verdict of the independent check. ``root`` holds
+    what proves the bound before branching, where the planner keeps it.
     """
 
     stage: str
@@ -158,6 +164,7 @@ class Certificate(_Record):
     check: str
     n_variables: NonNegativeInt
     n_rows: NonNegativeInt
+    root: RootProof | None = None
 
 
 class Plan(_Record):
@@ -195,6 +202,22 @@ class Plan(_Record):
             if route.robot == robot:
                 return route
         raise KeyError(f"no robot {robot} in this plan")
+
+    @property
+    def limits(self) -> dict[str, Any]:
+        """What is promised of every robot, by name; see `LIMITS`.
+
+        The staged planner's ``endurance`` is no promise over whole routes: it limits what Eq. 2
+        gives out, and the stages after it may add to that.
+        """
+        if self.planner == "msmrta":
+            return {}
+        return {name: self.options[name] for name in LIMITS if self.options.get(name) is not None}
+
+    def is_for(self, mission: Instance) -> bool:
+        """Whether `mission` is what this plan answers, whatever it is called."""
+        parts = ("map", "capabilities", "service_time", "robots", "victims", "scouts")
+        return all(getattr(self.instance, part) == getattr(mission, part) for part in parts)
 
     def plot(self, **options: Any) -> Figure:
         """Draw the plan: the three panels of the paper's Fig. 2; see `plots.plot_mission`."""

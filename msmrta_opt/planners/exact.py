@@ -1,13 +1,14 @@
 """The exact planner: the joint problem, improved from above and bounded from below, at any time.
 
 It starts from the best plan of the quick planners, improved by local search; total time and makespan
-are then closed in on by the strong method (`optimise.routing.strong`), latency by local search above
-a combinatorial bound. It stops at the time limit, at the gap, or at Ctrl-C, always with the best plan
-and what is proven about it.
+are then closed in on by the strong method (`optimise.routing.strong`), latency by column generation
+(`optimise.routing.latency_search`). It stops at the time limit, at the gap, or at Ctrl-C, always with
+the best plan and what is proven about it.
 """
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 import time
@@ -17,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from ..mission.check_bound import STAGE as STAGE_OF_BOUNDS
 from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import BEYOND_ENDURANCE, Certificate, Plan, Route, Unserved
@@ -24,7 +26,9 @@ from ..optimise.routing.bound import Bound
 from ..optimise.routing.bound import gap as relative_gap
 from ..optimise.routing.data import Objective, Routes, RoutingData, faults, value
 from ..optimise.routing.latency import latency_bound
+from ..optimise.routing.latency_search import search_latency
 from ..optimise.routing.local_search import improve
+from ..optimise.routing.root_proof import root_proof
 from ..optimise.routing.strong import Report, strong_bound
 from ..optimise.solve import solve
 from ..stages.joint_routing import routing_data
@@ -89,6 +93,9 @@ def run(
     for name, number in {"time_limit": time_limit, "gap": gap}.items():
         if not number >= 0:
             raise InputError(f"{number!r}; give 0 or more", field=name)
+    for name, most in {"endurance": endurance, "longest_walk": longest_walk}.items():
+        if most is not None and not 0 <= most < math.inf:
+            raise InputError(f"{most!r}; give a finite number, 0 or more", field=name)
     watch = Stopwatch()
     with watch("scouting"):
         known, scouting = scout_mission(instance, StagedOptions(seed=seed))
@@ -129,7 +136,7 @@ def run(
         seconds=watch.seconds,
     )
     left = _left_out(situation, data)
-    certificate = _certificate(data, routes, objective, bound, gap)
+    certificate = _certificate(known, data, routes, objective, bound)
     return plan.model_copy(
         update={"unserved": (*plan.unserved, *left), "certificates": (certificate,)}
     )
@@ -154,21 +161,23 @@ def _solve(
     if not data.required.any():
         return routes, Bound(0.0, "combinatorial")
     lower = latency_bound(data) if objective == "latency" else 0.0
-    closed = value(data, routes, objective) <= lower + 1e-9
-    share = 1.0 if objective == "latency" else SHARE_OF_SEARCH
+    closed = relative_gap(value(data, routes, objective), lower) <= max(gap, 1e-9)
     if not closed and left() > 0:
-        seconds = share * left()
-        if objective != "latency":
-            # Small missions are proven sooner than a search of seconds is worth.
-            seconds = min(seconds, SEARCH_PER_VICTIM * data.n_victims)
+        # Small missions are proven sooner than a search of seconds is worth.
+        seconds = min(SHARE_OF_SEARCH * left(), SEARCH_PER_VICTIM * data.n_victims)
         routes = improve(
             data, routes, objective, seconds=seconds, seed=seed, should_stop=interrupted
         )
     if objective == "latency":
-        worth = value(data, routes, objective)
-        if report is not None:
-            report(routes, worth, lower, "combinatorial")
-        return routes, Bound(min(lower, worth), "combinatorial")
+        return search_latency(
+            data,
+            routes,
+            time_limit=left(),
+            gap=gap,
+            seed=seed,
+            report=report,
+            should_stop=interrupted,
+        )
     return strong_bound(
         data,
         objective,
@@ -250,16 +259,16 @@ def _left_out(situation: Situation, data: RoutingData) -> list[Unserved]:
 
 
 def _certificate(
-    data: RoutingData, routes: Routes, objective: Objective, bound: Bound, gap: float
+    known: Instance, data: RoutingData, routes: Routes, objective: Objective, bound: Bound
 ) -> Certificate:
     worth = value(data, routes, objective)
     opening = relative_gap(worth, bound.value)
     program = bound.program
     return Certificate(
-        stage="joint problem",
+        stage=STAGE_OF_BOUNDS,
         model=objective,
         sense="min",
-        solver="strong method" if objective != "latency" else "local search",
+        solver="strong method" if objective != "latency" else "column generation",
         version="",
         status="optimal" if opening <= 1e-6 else "feasible",
         objective=worth,
@@ -269,6 +278,7 @@ def _certificate(
         check="passed" if not faults(data, routes) else faults(data, routes)[0],
         n_variables=0 if program is None else program.n_columns,
         n_rows=0 if program is None else program.n_rows,
+        root=root_proof(known, bound, worth),
     )
 
 

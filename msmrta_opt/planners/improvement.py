@@ -37,8 +37,18 @@ def improve_plan(
     seconds, iterations, seed
         As in `local_search.improve`; by default a fixed number of steps, so that the result can be
         repeated.
+
+    Raises
+    ------
+    InputError
+        If there is no such objective, or the plan keeps to limits, which the search does not know.
     """
     check_objective(objective)
+    if plan.limits:
+        raise InputError(
+            f"the plan keeps to {', '.join(plan.limits)}; ask the exact planner for a better one",
+            field="improve",
+        )
     if not any(route.visits for route in plan.routes):
         return plan
     watch = Stopwatch()
@@ -86,10 +96,11 @@ def routes_of(plan: Plan) -> Routes:
     known = plan.known
     position = {victim.id: v for v, victim in enumerate(known.victims)}
     kind = {name: k for k, name in enumerate(known.capabilities)}
+    planned = {route.robot: route.visits for route in plan.routes}
     routes = []
     for robot in known.robots:
         visits: dict[int, list[int]] = {}
-        for visit in plan.route(robot.id).visits:
+        for visit in planned.get(robot.id, ()):
             visits.setdefault(position[visit.victim], []).extend(
                 kind[name] for name in visit.served
             )

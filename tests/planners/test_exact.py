@@ -206,7 +206,16 @@ def test_victims_that_the_scouts_do_not_find_are_left_out(instances_dir: Path) -
     assert [(item.victim, item.reason) for item in made.unserved] == [(1, NOT_FOUND)]
 
 
-@pytest.mark.parametrize("option", [{"time_limit": -1.0}, {"gap": math.nan}])
+@pytest.mark.parametrize(
+    "option",
+    [
+        {"time_limit": -1.0},
+        {"gap": math.nan},
+        {"endurance": math.nan},
+        {"endurance": math.inf},
+        {"longest_walk": -1},
+    ],
+)
 def test_an_option_out_of_range_is_refused_by_name(
     corridor: Instance, option: dict[str, float]
 ) -> None:

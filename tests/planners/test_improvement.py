@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from msmrta_opt.mission.check import problems
+from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
@@ -131,3 +132,10 @@ def test_improved_visits_say_so_and_the_record_says_how(paper: Instance) -> None
     assert {visit.stage for route in made.routes for visit in route.visits} == {"improved"}
     assert (made.options["improve"], made.options["objective"]) == (True, "latency")
     assert "improvement" in made.planning_seconds
+
+
+def test_a_plan_that_keeps_to_limits_is_left_to_its_planner(instances_dir: Path) -> None:
+    mission = Instance.read(instances_dir / "two_rooms.json")
+    limited = plan(mission, planner="exact", return_to_start=True)
+    with pytest.raises(InputError, match="improve: the plan keeps to return_to_start"):
+        improve_plan(limited)

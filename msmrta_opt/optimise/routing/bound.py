@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 from ..check import dual_bound
 from ..formulation import Floats
 from ..program import Program
+from .columns import Columns
+from .cuts import Cut
 
-Proof = Literal["combinatorial", "root LP", "branch and cut"]
+Proof = Literal[
+    "combinatorial",
+    "root LP",
+    "branch and cut",
+    "column generation",
+    "route enumeration",
+    "branch and price",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,10 +36,17 @@ class Bound:
     proof: Proof
     step: float = 0.0
     """Answers are worth the program's offset plus multiples of this; 0 if that is not known."""
-    program: Program | None = None
-    """The root relaxation with its cuts, on all columns."""
+    columns: Columns | None = None
+    """Of the root relaxation."""
+    cuts: tuple[Cut, ...] = ()
+    """Its cuts."""
     prices: Floats | None = None
-    """Duals of its rows, ``(n_rows,)``."""
+    """Duals of its first rows, then of `cuts`, ``(n_rows,)``."""
+
+    @cached_property
+    def program(self) -> Program | None:
+        """The root relaxation with its cuts."""
+        return None if self.columns is None else self.columns.program(list(self.cuts)).relaxed()
 
     def root(self) -> float | None:
         """What the stored relaxation proves, computed from it and its prices, without a solver."""

@@ -307,5 +307,5 @@ class _Run:
         """The bound with its root relaxation."""
         if self.relaxed is None:
             return Bound(self.bound, self.proof, self.grain.step)
-        program = self.columns.program(list(self.relaxed.cuts)).relaxed()
-        return Bound(self.bound, self.proof, self.grain.step, program, self.relaxed.prices)
+        cuts, prices = self.relaxed.cuts, self.relaxed.prices
+        return Bound(self.bound, self.proof, self.grain.step, self.columns, cuts, prices)

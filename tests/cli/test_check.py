@@ -1,0 +1,280 @@
+"""The command check --bound, as a user types it: what is proved again, and by whom; forgeries."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.plan import Plan
+from msmrta_opt.planners import plan as make_plan
+
+Run = Callable[..., int]
+Capture = pytest.CaptureFixture[str]
+Document = dict[str, Any]
+
+# By hand: a corridor of five cells, a robot at 1, victims at 0 and 4, service 2 each: done at 9.
+PRICES: Document = {
+    "objective": "total_time",
+    "bound": 9,
+    "solver": "highs by hand",
+    "degree": [{"robot": 0, "victim": 0, "price": 1}, {"robot": 0, "victim": 1, "price": 3}],
+    "leaves": [{"robot": 0, "price": -3}],
+    "ends": [{"robot": 0, "price": 3}],
+    "served": [
+        {"victim": 0, "kind": "FirstAids", "price": 2},
+        {"victim": 1, "kind": "FirstAids", "price": 6},
+    ],
+}
+NO_PRICES: Document = {"objective": "total_time", "bound": 7, "solver": "highs by hand"}
+
+
+@pytest.fixture
+def document(corridor_file: Path) -> Document:
+    """The corridor's best plan, its bound proved by the prices above."""
+    found = make_plan(Instance.read(corridor_file), planner="exact").document()
+    found["certificates"][0].update(root=PRICES, proof="root LP")
+    return found
+
+
+def backwards(document: Document) -> Document:
+    """The plan that serves victim 1 first, done at 11."""
+    changed = copy.deepcopy(document)
+    changed["routes"][0]["visits"] = [
+        {
+            "victim": victim,
+            "served": ["FirstAids"],
+            "stage": "exact",
+            "cells": [[0, col] for col in cols],
+            "arrival": arrival,
+            "departure": arrival + 2,
+        }
+        for victim, cols, arrival in ((1, range(1, 5), 3), (0, range(4, -1, -1), 9))
+    ]
+    changed["certificates"][0]["objective"] = 11.0
+    return changed
+
+
+def written(document: Document, folder: Path, **certificate: object) -> Path:
+    file = folder / "plan.json"
+    changed = copy.deepcopy(document)
+    changed["certificates"][0].update(certificate)
+    file.write_text(json.dumps(changed))
+    return file
+
+
+@pytest.mark.parametrize("solver", ["glpk", "scip"])
+def test_a_root_bound_is_proved_again_in_exact_numbers_and_by_another_solver(
+    solver: str,
+    msmrta: Run,
+    document: Document,
+    corridor_file: Path,
+    tmp_path: Path,
+    capsys: Capture,
+) -> None:
+    file = written(document, tmp_path)
+    assert msmrta("check", file, corridor_file, "--bound", "--solver", solver) == 0
+    told = capsys.readouterr()
+    assert told.err == ""
+    holds, root, again, claim, instance = told.out.splitlines()
+    assert holds == f"{file}: the plan holds (2 requirements served)"
+    assert root == (
+        f"{file}: root bound 9 on the total_time proved again, in exact numbers from the prices of "
+        "highs by hand (0 cuts)"
+    )
+    assert re.fullmatch(
+        rf"{file}: {solver} \S+ solves the same relaxation to 9; the prices prove 9", again
+    )
+    assert claim == f"{file}: the certificate claims 9 by root LP: all of it is proved again"
+    assert instance.startswith(f"{corridor_file}: a valid instance")
+
+
+def test_what_branch_and_cut_proved_is_said_not_to_be_checked(
+    msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
+) -> None:
+    file = written(document, tmp_path, root=NO_PRICES, proof="branch and cut")
+    assert msmrta("check", file, "--bound") == 0
+    told = capsys.readouterr().out
+    assert "root bound 7 on the total_time proved again" in told
+    assert told.splitlines()[-1] == (
+        f"{file}: the certificate claims 9 by branch and cut: what is beyond the root was proved by "
+        "branch and cut, and is not re-checked"
+    )
+
+
+@pytest.mark.parametrize("solver", [[], ["--solver", "glpk"]])
+def test_with_time_the_explicit_model_proves_the_rest_again(
+    solver: list[str], msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
+) -> None:
+    file = written(document, tmp_path, root=NO_PRICES, proof="branch and cut")
+    assert msmrta("check", file, "--bound", "--time-limit", "60", *solver) == 0
+    last = capsys.readouterr().out.splitlines()[-1]
+    who = solver[-1] if solver else "highs"
+    assert re.fullmatch(
+        rf"{file}: {who} \S+ on joint_routing_flow proves 9: all of the claim is proved again", last
+    )
+
+
+def test_with_no_time_the_explicit_model_proves_nothing_and_says_so(
+    msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
+) -> None:
+    changes = {"root": NO_PRICES, "proof": "branch and cut"}
+    file = written(document, tmp_path, **changes)
+    assert msmrta("check", file, "--bound", "--time-limit", "0", "--solver", "glpk") == 0
+    assert capsys.readouterr().out.splitlines()[-1].endswith("the claim is not proved again")
+
+
+def test_a_claim_that_the_explicit_model_contradicts_is_refused(
+    msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
+) -> None:
+    changes: Document = {"root": NO_PRICES, "proof": "branch and cut", "bound": 11.0}
+    file = written(backwards(document), tmp_path, **changes)
+    assert msmrta("check", file, "--bound") == 0
+    capsys.readouterr()
+    assert msmrta("check", file, "--bound", "--time-limit", "60") == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("on joint_routing_flow finds 9, below the bound 11 that is claimed")
+
+
+@pytest.mark.parametrize(
+    ("certificate", "problem"),
+    [
+        ({"bound": 10.0}, "the bound 10 is above what the plan is worth, 9"),
+        ({"root": PRICES | {"bound": 9.5}}, "the root bound is 9.5, but only 9 is proved"),
+        ({"root": PRICES | {"served": []}}, "the root bound is 9, but only 7 is proved"),
+        ({"root": None}, "no root relaxation is stored"),
+        (
+            {"root": PRICES | {"first": [{"robot": 0, "victims": [1, 1], "price": -1}]}},
+            "cut first[0] holds a victim twice",
+        ),
+        (
+            {
+                "root": PRICES
+                | {"outside": [{"robot": 0, "victims": [1], "victim": 1, "price": -1}]}
+            },
+            "cut outside[0] holds only for a victim outside its set, not 1",
+        ),
+        (
+            {"root": PRICES | {"last": [{"robot": 0, "victims": [1], "price": 1}]}},
+            "the price 1 of cut last[0] has the wrong sign",
+        ),
+    ],
+)
+def test_a_forgery_gets_one_line_and_status_1(
+    certificate: Document,
+    problem: str,
+    msmrta: Run,
+    document: Document,
+    tmp_path: Path,
+    capsys: Capture,
+) -> None:
+    file = written(document, tmp_path, **certificate)
+    assert msmrta("check", file) == 0
+    capsys.readouterr()
+    assert msmrta("check", file, "--bound") == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"{file}: ")
+    assert problem in line
+
+
+@pytest.mark.parametrize(
+    ("certificate", "problem"),
+    [
+        ({"root": PRICES | {"rows": []}}, "certificates[0].root.rows: "),
+        ({"root": PRICES | {"leaves": [{"robot": 0}]}}, "root.leaves[0].price: is missing"),
+        ({"root": PRICES | {"objective": "latency"}}, "root.objective: 'latency'; give"),
+    ],
+)
+def test_a_proof_that_is_none_gets_one_line_and_status_2(
+    certificate: Document,
+    problem: str,
+    msmrta: Run,
+    document: Document,
+    tmp_path: Path,
+    capsys: Capture,
+) -> None:
+    assert msmrta("check", written(document, tmp_path, **certificate), "--bound") == 2
+    told = capsys.readouterr()
+    assert (told.out, told.err.count("\n")) == ("", 1)
+    assert problem in told.err
+
+
+def test_a_truncated_plan_gets_one_line_and_status_2(
+    msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
+) -> None:
+    file = written(document, tmp_path)
+    file.write_text(file.read_text()[:-200])
+    assert msmrta("check", file, "--bound") == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"error: {file}: broken JSON: ")
+    assert told.count("\n") == 1
+
+
+def test_a_plan_for_another_mission_than_the_one_beside_it_is_refused(
+    msmrta: Run, document: Document, paper_file: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    file = written(document, tmp_path)
+    assert msmrta("check", file, paper_file, "--bound") == 1
+    assert capsys.readouterr().err == (
+        f"{file}: the plan is for another mission than the instance beside it\n"
+    )
+
+
+def test_a_plan_that_does_not_hold_has_no_bound_to_speak_of(
+    msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
+) -> None:
+    document["options"]["endurance"] = 8
+    file = written(document, tmp_path)
+    assert msmrta("check", file, "--bound") == 1
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err == f"{file}: robot 0 is busy for 9, beyond its 8\n"
+
+
+@pytest.mark.parametrize("limit", [[], ["--time-limit", "60"]])
+def test_a_bound_on_latency_is_not_stored_but_can_be_proved_by_the_model(
+    limit: list[str], msmrta: Run, corridor_file: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    file = tmp_path / "plan.json"
+    mission = Instance.read(corridor_file)
+    made: Plan = make_plan(mission, planner="exact", objective="latency", time_limit=0.1)
+    made.save(file)
+    assert msmrta("check", file, "--bound", *limit) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].endswith("what proves it is not stored, so it is not re-checked")
+    assert len(lines) == (3 if limit else 2)
+    if limit:
+        assert "on joint_routing_mtz proves 12: all of the claim is proved again" in lines[2]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (["--time-limit", "5"], "--time-limit: is for bounds; give --bound with it"),
+        (["--solver", "glpk"], "--solver: is for bounds; give --bound with it"),
+        (["--bound", "--time-limit", "-1"], "--time-limit: -1.0; give 0 or more"),
+        (["--bound", "--solver", "highs"], "--solver: highs made the bound itself; give glpk"),
+        (["--bound", "--solver", "nobody"], "solver: no solver 'nobody'"),
+        (["--bound"], "'greedy' claims no bound on the joint problem; give one of 'exact'"),
+    ],
+)
+def test_options_that_make_no_sense_get_one_line_and_status_2(
+    arguments: list[str],
+    problem: str,
+    msmrta: Run,
+    corridor_file: Path,
+    tmp_path: Path,
+    capsys: Capture,
+) -> None:
+    file = tmp_path / "plan.json"
+    make_plan(Instance.read(corridor_file), planner="greedy").save(file)
+    assert msmrta("check", file, *arguments) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert problem in told
