@@ -5,7 +5,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test lint types unit figure schema clean
+.PHONY: demo test lint types unit figure schema notebooks clean
 
 demo: $(VENV)/.installed
 	@mkdir -p out
@@ -30,9 +30,13 @@ figure: demo
 schema: $(VENV)/.installed
 	$(BIN)/msmrta schema > msmrta_opt/mission/instance.schema.json
 
+# The notebooks with their outputs.
+notebooks: $(VENV)/.installed
+	$(BIN)/python notebooks/refresh.py
+
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,parquet,solvers]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dask,dev,notebooks,parquet,solvers]'
 	@touch $@
 
 clean:

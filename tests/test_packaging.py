@@ -69,7 +69,12 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_wheel_carries_models_instances_and_maps(wheel: Path) -> None:
     names = set(zipfile.ZipFile(wheel).namelist())
-    for folder, pattern in (("models", "*.py"), ("instances", "*.json"), ("instances", "maps/*")):
+    for folder, pattern in (
+        ("models", "*.py"),
+        ("instances", "*.json"),
+        ("instances", "maps/*"),
+        ("instances", "suite/*"),
+    ):
         shipped = {
             f"msmrta_opt/_shipped/{path.relative_to(ROOT)}"
             for path in (ROOT / folder).glob(pattern)

@@ -13,7 +13,7 @@ import sys
 import typer
 
 from ..mission.errors import CheckError, MsmrtaError
-from . import compare, exact, missions, models, plans, programs, tradeoff
+from . import compare, exact, generate, missions, models, plans, programs, study, tradeoff
 
 app = typer.Typer(
     name="msmrta",
@@ -23,7 +23,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help starts in half the time
 )
-for group in (missions, exact, plans, models, programs, compare, tradeoff):
+for group in (missions, generate, exact, plans, models, programs, compare, tradeoff, study):
     group.register(app)
 
 

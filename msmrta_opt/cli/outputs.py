@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +40,18 @@ def check_outputs(*files: Path | None, figure: Path | None = None) -> None:
                 f"unknown picture format {figure.suffix!r}; the suffix is one of {known}",
                 file=figure,
             )
+
+
+def check_parquet(path: Path | None) -> None:
+    """Refuse a Parquet file that nothing here could write.
+
+    Raises
+    ------
+    InputError
+        If pyarrow is not installed.
+    """
+    if path is not None and find_spec("pyarrow") is None:
+        raise InputError("needs pyarrow; pip install 'msmrta_opt[parquet]'", field="--parquet")
 
 
 def write_plan(plan: Plan, json: Path | None, figure: Path | None) -> None:

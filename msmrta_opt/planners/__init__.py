@@ -6,6 +6,7 @@ import importlib
 import inspect
 import math
 import pkgutil
+from collections.abc import Mapping
 from functools import cache
 from numbers import Real
 from typing import Any
@@ -15,6 +16,7 @@ from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import Plan
 from ..optimise.routing.data import Objective
+from ..stages.options import StagedOptions
 from .base import Planner
 from .improvement import check_objective, improve_plan
 
@@ -61,30 +63,10 @@ def plan(
     CheckError
         If the plan fails its independent check, which would be a defect of the planner.
     """
-    known = planners()
-    if planner not in known:
-        raise InputError(f"{planner!r}; give one of {', '.join(known)}", field="planner")
-    _check_improve(improve)
-    run = known[planner].run
-    takes = inspect.signature(run).parameters
-    if not any(parameter.kind is parameter.VAR_KEYWORD for parameter in takes.values()):
-        for name in options:
-            if name not in takes:
-                there = ", ".join(list(takes)[1:])
-                raise InputError(
-                    f"planner {planner} has no such option; it has {there}", field=name
-                )
-    if "objective" in takes and improve is not False:
-        raise InputError(f"planner {planner} improves by itself; leave it out", field="improve")
-    if objective is not None:
-        check_objective(objective)
-        if "objective" in takes:
-            options["objective"] = objective
-        elif improve is False:
-            raise InputError(
-                f"planner {planner} has no objective of its own; give improve with it",
-                field="objective",
-            )
+    check_options(planner, {"improve": improve, "objective": objective, **options})
+    run = planners()[planner].run
+    if objective is not None and "objective" in inspect.signature(run).parameters:
+        options["objective"] = objective
     made = check_plan(run(instance, **options))
     if improve is False:
         return made
@@ -96,6 +78,41 @@ def plan(
             seed=options.get("seed", 0),
         )
     )
+
+
+def check_options(planner: str, options: Mapping[str, Any]) -> None:
+    """Check what `plan` is to be given, without planning.
+
+    Raises
+    ------
+    InputError
+        If the planner or an option is unknown, or nothing would heed it.
+    """
+    known = planners()
+    if planner not in known:
+        raise InputError(f"{planner!r}; give one of {', '.join(known)}", field="planner")
+    takes = inspect.signature(known[planner].run).parameters
+    own = {name: value for name, value in options.items() if name not in ("improve", "objective")}
+    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in takes.values()):
+        StagedOptions.of(**own)
+    else:
+        for name in own:
+            if name not in takes:
+                there = ", ".join(list(takes)[1:])
+                raise InputError(
+                    f"planner {planner} has no such option; it has {there}", field=name
+                )
+    improve, objective = options.get("improve", False), options.get("objective")
+    _check_improve(improve)
+    if "objective" in takes and improve is not False:
+        raise InputError(f"planner {planner} improves by itself; leave it out", field="improve")
+    if objective is not None:
+        check_objective(objective)
+        if "objective" not in takes and improve is False:
+            raise InputError(
+                f"planner {planner} has no objective of its own; give improve with it",
+                field="objective",
+            )
 
 
 def _check_improve(improve: object) -> None:

@@ -1,19 +1,23 @@
 """Running things in processes of their own, with limits, so that one failure takes nothing down.
 
 Processes are forked from a server that has loaded the libraries and solved nothing: a fork after a
-threaded solve can hang, and a fresh interpreter would pay for the imports each time.
+threaded solve can hang, and a fresh interpreter would pay for the imports each time. joblib hands
+the runs out; each of its threads only watches over the process of its run.
 """
 
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import sys
+import threading
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+import warnings
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import Connection
 from types import ModuleType
 from typing import Any, Literal
 
@@ -22,31 +26,42 @@ import psutil
 from ..mission.errors import InputError, MsmrtaError
 
 POLL_SECONDS = 0.02
-"""How often runs are looked at."""
+"""How often a run is looked at while it says nothing."""
 MEMORY_SECONDS = 0.1
-"""How often their memory is, which takes longer to find out."""
+"""How often its memory is, which takes longer to find out."""
+
+_starting = threading.Lock()
+"""Held while a process starts, since that changes what belongs to the whole interpreter."""
 
 
 @dataclass(frozen=True)
 class Failure:
     """A run that gave no result."""
 
-    reason: Literal["raised", "crashed", "timed out", "out of memory"]
+    reason: Literal["raised", "crashed", "timed out", "out of memory", "stopped"]
     message: str
 
 
-@dataclass
-class _Run:
-    index: int
-    process: Any
-    receiver: Connection
-    began: float
-    weighed: float = 0.0
+@dataclass(frozen=True)
+class Limits:
+    """What a run may use: seconds of wall time, and MiB of resident memory with its children's.
+
+    Raises
+    ------
+    InputError
+        If a limit is not positive.
+    """
+
+    time: float | None = None
+    memory: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_positive(time_limit=self.time, memory_limit=self.memory)
 
 
 def run_isolated(
     function: Callable[..., Any],
-    calls: Sequence[tuple[Any, ...]],
+    calls: Iterable[tuple[Any, ...]],
     *,
     jobs: int = 1,
     time_limit: float | None = None,
@@ -59,8 +74,8 @@ def run_isolated(
     ----------
     function : callable
         A module's function, so that another process can import it.
-    calls : sequence of tuple
-        Picklable arguments.
+    calls : iterable of tuple
+        Picklable arguments; taken one by one as their turn comes.
     jobs : int
         How many at a time.
     time_limit : float, optional
@@ -81,30 +96,67 @@ def run_isolated(
     InputError
         If `jobs` or a limit is not positive.
     """
-    for name, value in {
-        "jobs": jobs,
-        "time_limit": time_limit,
-        "memory_limit": memory_limit,
-    }.items():
+    from joblib import Parallel, delayed
+
+    _check_positive(jobs=jobs)
+    limits = Limits(time_limit, memory_limit)
+    stop = threading.Event()
+
+    def watched(index: int, call: tuple[Any, ...]) -> tuple[int, Any]:
+        return index, run_alone(function, call, limits=limits, preload=preload, stop=stop)
+
+    parallel = Parallel(
+        n_jobs=jobs,
+        backend="threading",
+        batch_size=1,
+        pre_dispatch=jobs,
+        return_as="generator_unordered",
+    )
+    results = parallel(delayed(watched)(index, call) for index, call in enumerate(calls))
+    try:
+        for result in results:  # noqa: UP028 - closing must not reach joblib before it sets `stop`
+            yield result
+    finally:
+        stop.set()
+        with warnings.catch_warnings():
+            # That runs were cancelled is what closing asked for.
+            warnings.simplefilter("ignore")
+            results.close()
+
+
+def run_alone(
+    function: Callable[..., Any],
+    call: tuple[Any, ...],
+    *,
+    limits: Limits | None = None,
+    preload: Sequence[str] = (),
+    stop: threading.Event | None = None,
+) -> Any:
+    """Call ``function(*call)`` in a process of its own; returns its result, or a `Failure`.
+
+    Once `stop` is set, the process is killed.
+    """
+    if stop is not None and stop.is_set():
+        return Failure("stopped", "not begun")
+    receiver, sender = multiprocessing.Pipe(duplex=False)
+    with _starting, _as_a_plain_parent():
+        process = _context(preload).Process(target=_call, args=(sender, function, call))
+        process.daemon = True
+        process.start()
+    sender.close()
+    try:
+        return _watch(process, receiver, limits or Limits(), stop)
+    finally:
+        if process.is_alive():
+            process.kill()
+        process.join()
+        receiver.close()
+
+
+def _check_positive(**values: float | None) -> None:
+    for name, value in values.items():
         if value is not None and not value > 0:
             raise InputError(f"{value!r}; give more than 0", field=name)
-    context = _context(preload)
-    waiting = list(enumerate(calls))[::-1]
-    running: list[_Run] = []
-    try:
-        while waiting or running:
-            while waiting and len(running) < jobs:
-                index, call = waiting.pop()
-                running.append(_start(context, function, index, call))
-            wait([run.receiver for run in running], timeout=POLL_SECONDS)
-            for run in list(running):
-                result = _look(run, time_limit, memory_limit)
-                if result is not None:
-                    running.remove(run)
-                    yield run.index, result[0]
-    finally:
-        for run in running:
-            _end(run)
 
 
 def _context(preload: Sequence[str]) -> Any:
@@ -115,83 +167,86 @@ def _context(preload: Sequence[str]) -> Any:
     return context
 
 
-def _start(context: Any, function: Callable[..., Any], index: int, call: tuple[Any, ...]) -> _Run:
-    receiver, sender = context.Pipe(duplex=False)
-    process = context.Process(target=_call, args=(sender, function, call), daemon=True)
-    with _without_main():
-        process.start()
-    sender.close()
-    return _Run(index, process, receiver, time.monotonic())
-
-
 @contextmanager
-def _without_main() -> Iterator[None]:
-    """Hide the main script, which a new process would otherwise run again.
+def _as_a_plain_parent() -> Iterator[None]:
+    """Hide what would keep this process from starting one that runs a module's function.
 
-    What runs there is a module's function, and a script may come without a guard, or from standard
-    input, where it cannot be found again.
+    A new process would run the main script again, which may come without a guard, or from standard
+    input, where it cannot be found. And a worker of a cluster may itself be a daemon, which
+    multiprocessing lets have no children; these end with it, see `_end_with_parent`.
     """
     main = sys.modules["__main__"]
+    config: dict[str, Any] = getattr(multiprocessing.current_process(), "_config", {})
+    daemon = config.pop("daemon", None)
     sys.modules["__main__"] = ModuleType("__main__")
     try:
         yield
     finally:
         sys.modules["__main__"] = main
+        if daemon is not None:
+            config["daemon"] = daemon
 
 
 def _call(sender: Connection, function: Callable[..., Any], call: tuple[Any, ...]) -> None:
     # Ctrl-C is the parent's to handle; it ends its processes itself.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
-        message: tuple[str, Any] = ("result", function(*call))
+        message: Any = function(*call)
     except MemoryError:
-        message = ("failure", Failure("out of memory", "the process ran out of memory"))
+        message = Failure("out of memory", "the process ran out of memory")
     except MsmrtaError as error:
-        message = ("failure", Failure("raised", str(error)))
+        message = Failure("raised", str(error))
     except Exception as error:
         # Whatever a user's model raises is news about that run, not the end of the others.
-        message = ("failure", Failure("raised", f"{type(error).__name__}: {error}"))
+        message = Failure("raised", f"{type(error).__name__}: {error}")
     try:
         sender.send(message)
     except Exception as error:
         # Pickling comes before sending, so nothing has been sent yet.
         said = f"the result cannot be sent ({type(error).__name__}: {error})"
-        sender.send(("failure", Failure("raised", said)))
+        sender.send(Failure("raised", said))
     sender.close()
 
 
-def _look(run: _Run, time_limit: float | None, memory_limit: float | None) -> tuple[Any] | None:
-    """What `run` has come to, in a tuple; ``None`` while it goes on."""
-    # In this order: a run that answers and ends between the two questions has answered.
-    alive = run.process.is_alive()
-    if run.receiver.poll():
-        try:
-            _, result = run.receiver.recv()
-        except (EOFError, OSError):
-            return (_post_mortem(run),)
-        except Exception as error:
-            result = Failure(
-                "raised", f"the result cannot be read ({type(error).__name__}: {error})"
-            )
-        _end(run)
-        return (result,)
-    if not alive:
-        return (_post_mortem(run),)
-    if time_limit is not None and time.monotonic() - run.began > time_limit:
-        _end(run)
-        return (Failure("timed out", f"killed after {time_limit:g} s"),)
-    if memory_limit is not None and time.monotonic() - run.weighed > MEMORY_SECONDS:
-        run.weighed = time.monotonic()
-        if _resident(run.process.pid) > memory_limit * 2**20:
-            _end(run)
-            return (Failure("out of memory", f"killed past {memory_limit:g} MiB"),)
-    return None
+def _end_with_parent() -> None:
+    """End this process, whatever it is doing, once its parent is gone."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
-def _post_mortem(run: _Run) -> Failure:
-    run.process.join(timeout=5)
-    code = run.process.exitcode
-    _end(run)
+def _watch(process: Any, receiver: Connection, limits: Limits, stop: threading.Event | None) -> Any:
+    """What the run of `process` comes to."""
+    began = weighed = time.monotonic()
+    while True:
+        # In this order: a run that answers and ends between the two questions has answered.
+        alive = process.is_alive()
+        if receiver.poll(POLL_SECONDS if alive else 0):
+            try:
+                return receiver.recv()
+            except (EOFError, OSError):
+                return _post_mortem(process)
+            except Exception as error:
+                said = f"the result cannot be read ({type(error).__name__}: {error})"
+                return Failure("raised", said)
+        if not alive:
+            return _post_mortem(process)
+        if stop is not None and stop.is_set():
+            return Failure("stopped", "killed on request")
+        now = time.monotonic()
+        if limits.time is not None and now - began > limits.time:
+            return Failure("timed out", f"killed after {limits.time:g} s")
+        if limits.memory is not None and now - weighed > MEMORY_SECONDS:
+            weighed = now
+            if _resident(process.pid) > limits.memory * 2**20:
+                return Failure("out of memory", f"killed past {limits.memory:g} MiB")
+
+
+def _post_mortem(process: Any) -> Failure:
+    process.join(timeout=5)
+    code = process.exitcode
     if code is not None and code < 0:
         return Failure("crashed", f"killed by {signal.Signals(-code).name}")
     return Failure("crashed", f"ended with exit status {code} and no result")
@@ -209,10 +264,3 @@ def _resident(pid: int) -> int:
         with suppress(psutil.Error):
             total += int(member.memory_info().rss)
     return total
-
-
-def _end(run: _Run) -> None:
-    run.receiver.close()
-    if run.process.is_alive():
-        run.process.kill()
-    run.process.join()

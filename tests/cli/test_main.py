@@ -29,6 +29,8 @@ COMMANDS = [
     "new-model",
     "solvers",
     "export",
+    "generate",
+    "study",
 ]
 CALL = "from msmrta_opt.cli import main; main()"
 INTERRUPTED = (

@@ -17,11 +17,13 @@ from msmrta_opt import formulations
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise import registry, solvers
+from msmrta_opt.stages.options import StagedOptions
 from msmrta_opt.studies import compare as study
-from msmrta_opt.studies.compare import cases, compare, read_instances, solve_here
+from msmrta_opt.studies.compare import cases, compare, comparison, read_instances, solve_here
 from msmrta_opt.studies.rows import (
     Row,
     as_documents,
+    as_rows,
     disagreements,
     frame,
     shifted_geometric_means,
@@ -232,3 +234,35 @@ def test_instances_are_told_apart_by_name(instances_dir: Path, tmp_path: Path) -
     assert [instance.name for instance in found] == ["split", "nameless"]
     with pytest.raises(InputError, match="'split' is also another file's"):
         read_instances([instances_dir / "split.json"] * 2)
+
+
+def test_a_table_is_as_good_as_its_rows() -> None:
+    rows = [
+        row("highs", seed=1, nodes=3),
+        row("scip", objective=4.0, bound=4.0),
+        row("glpk", status="skipped", objective=None, bound=None, gap=None),
+    ]
+    table = frame(rows)
+    assert list(as_rows(table)) == rows
+    assert list(as_rows(table.set_index("solver"))) == rows
+    assert disagreements(table) == disagreements(rows) != []
+
+
+def test_a_table_of_something_else_is_refused() -> None:
+    with pytest.raises(InputError, match="check; give the table as compare returns it"):
+        disagreements(frame([ROW]).drop(columns="check"))
+
+
+def test_rows_of_a_table_are_in_the_order_that_was_asked_for(instances_dir: Path) -> None:
+    two_rooms = Instance.read(instances_dir / "two_rooms.json")
+    asked = ["cluster_one_to_one", "cluster_printed"], ["highs", "auto"]
+    table = comparison(
+        [two_rooms], models=asked[0], solvers=asked[1], jobs=3, options=StagedOptions(psi=0.5)
+    )
+    found = list(zip(table.model, table.solver, strict=True))
+    assert found == [(model, solver) for model in asked[0] for solver in asked[1]]
+
+
+def test_a_gap_that_is_none_is_refused(instances_dir: Path) -> None:
+    with pytest.raises(InputError, match="gap"):
+        comparison([Instance.read(instances_dir / "two_rooms.json")], gap=-1.0)

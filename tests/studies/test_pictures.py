@@ -1,4 +1,4 @@
-"""The performance profile, by hand."""
+"""The performance profile by hand, and what staging costs, drawn legibly."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from msmrta_opt.optimise.solution import Status
-from msmrta_opt.studies.pictures import performance_profile
-from msmrta_opt.studies.rows import Row
+from msmrta_opt.plots.canvas import PictureAxes
+from msmrta_opt.studies.pictures import performance_profile, staging_losses
+from msmrta_opt.studies.rows import Row, frame
+from msmrta_opt.studies.staging import Loss
 
 
 def row(instance: str, solver: str, seconds: float | None, status: Status = "optimal") -> Row:
@@ -56,3 +58,44 @@ def test_a_profile_of_nothing_solved_is_empty_and_drawn(rows: list[Row]) -> None
     ax = performance_profile(rows)
     ax.figure.canvas.draw()
     assert "0 programs" in ax.get_title()
+
+
+def test_a_table_gives_the_profile_of_its_rows() -> None:
+    table, rows = performance_profile(frame(ROWS)), performance_profile(ROWS)
+    for one, other in zip(table.get_lines(), rows.get_lines(), strict=True):
+        assert one.get_label() == other.get_label()
+        np.testing.assert_array_equal(one.get_xydata(), other.get_xydata())
+
+
+@pytest.mark.parametrize(
+    ("worst", "some"),
+    [(1.5, {"1.2×", "1.4×"}), (2.2, {"2×"}), (12, {"1×", "2×", "5×", "10×"}), (5000, {"1000×"})],
+)
+def test_several_factors_are_named_however_far_they_reach(worst: float, some: set[str]) -> None:
+    ax = performance_profile([row("one", "quick", 1.0), row("one", "slow", worst)])
+    ax.figure.canvas.draw()
+    low, high = ax.get_xlim()
+    ticks = zip(ax.get_xticks(), ax.get_xticklabels(), strict=True)
+    named = {label.get_text() for at, label in ticks if low <= at <= high}
+    assert some <= named
+    assert 3 <= len(named) <= 8
+
+
+LOSSES = [Loss("order of visits", 12, 9 + 1 / 3, 9), Loss("auction (B4)", 9 + 1 / 3, 8, 8)]
+
+
+def test_losses_are_drawn_with_one_decimal_and_a_legend_clear_of_the_axis() -> None:
+    ax = staging_losses({"thirds": [Loss("a", 8 + 1 / 3, 8, 8)], "whole": LOSSES}, "total_time")
+    assert [text.get_text().strip() for text in ax.texts] == ["8.3", "12.0"]
+    ax.figure.canvas.draw()
+    legend = ax.get_legend()
+    assert legend is not None
+    assert legend.get_window_extent().y1 < ax.xaxis.label.get_window_extent().y0
+
+
+def test_pictures_of_ones_own_show_themselves_in_a_notebook() -> None:
+    for ax in (performance_profile(ROWS), staging_losses({"one": LOSSES}, "makespan")):
+        assert isinstance(ax, PictureAxes)
+        shown = ax._repr_png_()
+        assert shown is not None
+        assert shown.startswith(b"\x89PNG")

@@ -14,6 +14,7 @@ import pytest
 from support.misbehaviour import write_models
 
 from msmrta_opt import formulations
+from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise import registry
 from msmrta_opt.stages.options import StagedOptions
@@ -64,3 +65,8 @@ def test_a_model_that_fails_has_a_message_and_no_figures(
 def test_stages_without_a_place_in_the_staged_planner_are_not_scored(two_rooms: Instance) -> None:
     joint = scores([two_rooms], stage="joint", models=["joint_assignment"], options=OPTIONS)
     assert list(joint) == []
+
+
+def test_a_stage_without_formulations_is_refused(two_rooms: Instance) -> None:
+    with pytest.raises(InputError, match="'auction'; give one of clustering, cluster, victim"):
+        score(two_rooms, "auction", "cluster_printed")

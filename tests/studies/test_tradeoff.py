@@ -100,3 +100,10 @@ def test_the_command_shows_the_square(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_an_unknown_parameter_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["tradeoff", str(PAPER), "--over", "gamma"]) == 2
     assert capsys.readouterr().err == "error: --over: 'gamma'; give psi, beta, or psi,beta\n"
+
+
+def test_names_of_close_breakpoints_are_moved_apart_by_hand() -> None:
+    # 0.50 and 0.52 share their shortfall of 0.08; 0.9 is far enough and stays.
+    found = apart(np.array([0.5, 0.52, 0.9]), 0.1)
+    assert found == pytest.approx([0.46, 0.56, 0.9])
+    assert apart(np.array([0.1, 0.5]), 0.1) == pytest.approx([0.1, 0.5])

@@ -1,0 +1,59 @@
+"""The report of a study: one HTML file that needs no network, its pictures and its data beside it.
+
+`write_report` composes it from parts that a notebook can use as well: `runs` (records as a table and
+what is comparable in it), `tables`, `baseline`, `scaling`, `profile`, `heat`, `outcomes`; each takes
+the table of runs and returns tables or pictures. Everything heavy is imported when one is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..study.record import Record
+    from ..study.specification import Study
+
+
+def write_report(
+    study: Study, records: Sequence[Record], folder: str | Path, *, expected: int
+) -> Path:
+    """Write the report of `study` into `folder`, whole or not at all.
+
+    The same records give the same bytes.
+
+    Parameters
+    ----------
+    study : Study
+        What was asked.
+    records : sequence of Record
+        What came of it so far, contenders in the order in which they are to be listed.
+    folder : path
+        Made if missing; an older report there is replaced, anything else is left alone.
+    expected : int
+        How many runs the study has.
+
+    Returns
+    -------
+    Path
+        The page; ``figures/*.png`` and ``data/*.csv`` are beside it.
+
+    Raises
+    ------
+    InputError
+        If `folder` holds something else than a report, or cannot be written.
+    """
+    from matplotlib import rc_context
+
+    from .content import sections
+    from .folder import PAGE, replaced_folder
+    from .render import write_page
+    from .runs import table_of
+
+    folder = Path(folder)
+    # A name with dollar signs is a name, not mathematics.
+    with replaced_folder(folder) as fresh, rc_context({"text.parse_math": False}):
+        runs = table_of(records)
+        write_page(fresh, study, runs, sections(study, runs), expected=expected)
+    return folder / PAGE

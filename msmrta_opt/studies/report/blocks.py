@@ -1,0 +1,76 @@
+"""What a report is made of: sections of tables, pictures and heat maps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from matplotlib.figure import Figure
+
+from .text import slug
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from .heat import MapHeat
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table, shown with the columns as they are called and kept as CSV."""
+
+    kind: ClassVar = "table"
+
+    name: str
+    title: str
+    data: pd.DataFrame
+    note: str = ""
+    """What is counted and how."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture drawn by matplotlib, kept as PNG, with its data as CSV."""
+
+    kind: ClassVar = "picture"
+
+    name: str
+    title: str
+    caption: str
+    """What is seen."""
+    alt: str
+    figure: Figure
+    data: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class HeatMaps:
+    """One metric over robots × victims: per map, a panel for each contender on one colour scale."""
+
+    kind: ClassVar = "heat"
+
+    name: str
+    title: str
+    caption: str
+    unit: str
+    maps: Sequence[MapHeat]
+    sheet: Figure
+    """All panels on one picture, for the PNG."""
+    data: pd.DataFrame
+
+
+Block = Table | Picture | HeatMaps
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the report under a heading of its own."""
+
+    title: str
+    blocks: Sequence[Block]
+
+    @property
+    def anchor(self) -> str:
+        """The name that links within the page lead to."""
+        return f"section-{slug(self.title)}"

@@ -1,0 +1,12 @@
+"""What all runs of a study share: imported once, in the server that their processes are forked from."""
+
+from __future__ import annotations
+
+import cvxpy  # noqa: F401
+
+from ...planners import planners
+from ...planners.base import versions
+
+# Formulations are not among them: a worker of a cluster outlives edits of their files.
+planners()
+versions()

@@ -1,0 +1,65 @@
+"""Studies for tests, and a session of one that says which runs it has kept."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import closing
+from pathlib import Path
+
+from msmrta_opt.mission.grid import GridMap
+from msmrta_opt.mission.maps import write_map
+from msmrta_opt.studies.study.ledger import Ledger
+from msmrta_opt.studies.study.record import Record
+from msmrta_opt.studies.study.runner import run_study
+from msmrta_opt.studies.study.runs import runs
+from msmrta_opt.studies.study.specification import Study
+
+
+def write_study(folder: Path, text: str, name: str = "study.toml") -> Path:
+    """A study file in `folder`, beside an open map of 4×4 cells."""
+    write_map(GridMap([[True] * 4] * 4, name="open"), folder / "open.map")  # type: ignore[arg-type]
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def many_runs(folder: Path, n_seeds: int) -> Path:
+    """A study of `n_seeds` tiny runs."""
+    seeds = list(range(n_seeds))
+    return write_study(
+        folder,
+        f"""
+        title = "Many tiny runs"
+        [[instances]]
+        maps = "open.map"
+        robots = 2
+        victims = 2
+        [[planners]]
+        planner = "random"
+        seed = {seeds}
+        """,
+    )
+
+
+def do(path: Path, **options: object) -> list[Record]:
+    """Run the study at `path` to its end; returns what was done now."""
+    study = Study.read(path)
+    with Ledger(study.ledger) as ledger:
+        return list(run_study(study, runs(study), ledger, **options))  # type: ignore[arg-type]
+
+
+def kept(path: Path) -> list[Record]:
+    """The ledger of the study at `path`."""
+    with Ledger(Study.read(path).ledger, create=False) as ledger:
+        return list(ledger.records())
+
+
+if __name__ == "__main__":
+    # A session that can be killed: it prints the key of each run once the ledger has it.
+    study = Study.read(sys.argv[1])
+    with (
+        Ledger(study.ledger) as ledger,
+        closing(run_study(study, runs(study), ledger, jobs=2)) as session,
+    ):
+        for record in session:
+            print(record.key, flush=True)
