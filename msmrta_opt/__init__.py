@@ -28,6 +28,11 @@ _HOME = {
     "Metrics": "mission.metrics",
     "check_plan": "mission.check",
     "random_mission": "mission.generate",
+    "generate_mission": "mission.generate",
+    "rooms": "mission.layouts",
+    "rubble": "mission.layouts",
+    "maze": "mission.layouts",
+    "with_pocket": "mission.layouts",
     "MsmrtaError": "mission.errors",
     "InputError": "mission.errors",
     "ModelError": "mission.errors",
@@ -41,26 +46,40 @@ _HOME = {
     "VictimData": "optimise.formulation",
     "Solution": "optimise.solution",
     "solve": "optimise.solve",
+    "model": "optimise.registry:get",
+    "models": "optimise.registry",
     "add_models": "optimise.registry",
+    "remove_models": "optimise.registry",
+    "copy_model": "optimise.registry",
+    "program": "optimise.matrix",
+    "structure": "optimise.matrix",
     "export": "optimise.export",
     "read_program": "optimise.export",
     "write_program": "optimise.export",
     "explain": "optimise.explain",
     "Explanation": "optimise.explain",
     "compare": "studies.compare:comparison",
+    "disagreements": "studies.rows",
+    "performance_profile": "studies.pictures",
+    "score": "studies.score",
+    "price_of_staging": "studies.staging",
+    "staging_losses": "studies.pictures",
     "tradeoff": "studies.tradeoff",
     "tradeoff_regions": "studies.tradeoff",
     "stage_data": "stages.data",
+    "StagedOptions": "stages.options",
     "reload_models": "optimise.registry",
     "plan": "planners",
     "planners": "planners",
+    "mip_start": "planners.mip_start",
     "scouting": "stages.scouting",
 }
-_MODULES = ("plots",)
+_MODULES = ("algorithm", "plots")
 
 __all__ = ["__version__", "read", *_HOME, *_MODULES]
 
 if TYPE_CHECKING:
+    from . import algorithm as algorithm
     from . import plots as plots
     from .mission.check import check_plan as check_plan
     from .mission.errors import CheckError as CheckError
@@ -68,6 +87,7 @@ if TYPE_CHECKING:
     from .mission.errors import ModelError as ModelError
     from .mission.errors import MsmrtaError as MsmrtaError
     from .mission.errors import SolverError as SolverError
+    from .mission.generate import generate_mission as generate_mission
     from .mission.generate import random_mission as random_mission
     from .mission.grid import DistanceTable as DistanceTable
     from .mission.grid import GridMap as GridMap
@@ -76,6 +96,10 @@ if TYPE_CHECKING:
     from .mission.instance import Scout as Scout
     from .mission.instance import Victim as Victim
     from .mission.instance import json_schema as json_schema
+    from .mission.layouts import maze as maze
+    from .mission.layouts import rooms as rooms
+    from .mission.layouts import rubble as rubble
+    from .mission.layouts import with_pocket as with_pocket
     from .mission.maps import read_map as read_map
     from .mission.metrics import Metrics as Metrics
     from .mission.plan import Plan as Plan
@@ -90,15 +114,28 @@ if TYPE_CHECKING:
     from .optimise.formulation import Parameter as Parameter
     from .optimise.formulation import Spec as Spec
     from .optimise.formulation import VictimData as VictimData
+    from .optimise.matrix import program as program
+    from .optimise.matrix import structure as structure
     from .optimise.registry import add_models as add_models
+    from .optimise.registry import copy_model as copy_model
+    from .optimise.registry import get as model  # noqa: F401
+    from .optimise.registry import models as models
     from .optimise.registry import reload_models as reload_models
+    from .optimise.registry import remove_models as remove_models
     from .optimise.solution import Solution as Solution
     from .optimise.solve import solve as solve
     from .planners import plan as plan
     from .planners import planners as planners
+    from .planners.mip_start import mip_start as mip_start
     from .stages.data import stage_data as stage_data
+    from .stages.options import StagedOptions as StagedOptions
     from .stages.scouting import scouting as scouting
     from .studies.compare import comparison as compare  # noqa: F401
+    from .studies.pictures import performance_profile as performance_profile
+    from .studies.pictures import staging_losses as staging_losses
+    from .studies.rows import disagreements as disagreements
+    from .studies.score import score as score
+    from .studies.staging import price_of_staging as price_of_staging
     from .studies.tradeoff import tradeoff as tradeoff
     from .studies.tradeoff import tradeoff_regions as tradeoff_regions
 

@@ -39,6 +39,10 @@ def compare(
     time_limit: Annotated[float, typer.Option(help="Seconds per solve.")] = 60.0,
     memory_limit: Annotated[float, typer.Option(help="MiB per solve.", min=1)] = 4096.0,
     gap: Annotated[float | None, typer.Option(help="Relative gap to stop at.")] = None,
+    structure: Annotated[
+        bool,
+        typer.Option("--structure/--no-structure", help="Whether auto may use what is proven."),
+    ] = True,
     jobs: Annotated[int, typer.Option(help="Solves at a time; 1 for comparable times.", min=1)] = 1,
     scores: Annotated[
         bool, typer.Option("--scores/--no-scores", help="Measure the plans that come of each.")
@@ -80,6 +84,7 @@ def compare(
         options=options,
         time_limit=time_limit,
         gap=gap,
+        structure=structure,
     )
     rows: list[Row] = []
     measured: list[Score] = []

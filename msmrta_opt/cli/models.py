@@ -162,26 +162,11 @@ def new_model(
     folders: Folders = None,
 ) -> None:
     """Copy a formulation to a new file, to edit."""
-    from keyword import iskeyword
-
-    from ..mission.errors import InputError
-    from ..mission.files import read_text, write_text
     from ..optimise import registry
     from .console import say
 
     add_folders(folders)
-    if not name.isidentifier() or iskeyword(name) or name.startswith("_"):
-        raise InputError(f"{name!r}; give a Python name such as cluster_mine", field="NAME")
-    if to is not None:
-        registry.add_models(to)
-    original = registry.get(source)
-    taken = [item.path for item in registry.listings() if item.name == name]
-    if taken:
-        raise InputError(f"{name!r} is already the name of {taken[0]}", field="NAME")
-    if to is None and "_shipped" in original.path.parts:
-        raise InputError("the installed formulations are not to be edited; give --to DIR")
-    path = (to or original.path.parent) / f"{name}.py"
-    write_text(path, read_text(original.path))
+    path = registry.copy_model(source, name, to)
     where = f" --models {to}" if to else ""
     say(f"{path} is a copy of {source}: edit it, then `msmrta show {name}{where}`")
 

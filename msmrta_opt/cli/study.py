@@ -21,8 +21,7 @@ StudyFile = Annotated[Path, typer.Argument(help="A study file.", metavar="STUDY.
 def register(app: typer.Typer) -> None:
     """Add this file's commands to `app`."""
     group = typer.Typer(
-        help="Studies: planners or formulations × instances × options, resumable and parallel.",
-        no_args_is_help=True,
+        help="Studies: planners or formulations × instances × options, resumable and parallel."
     )
     for command in (run, status, export, report):
         group.command()(command)

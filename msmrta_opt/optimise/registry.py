@@ -14,12 +14,14 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from keyword import iskeyword
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from .. import formulations
 from ..mission.errors import InputError, ModelError
+from ..mission.files import read_text, write_text
 from .formulation import Spec
 
 if TYPE_CHECKING:
@@ -82,6 +84,62 @@ def add_models(folder: str | Path) -> None:
         importlib.invalidate_caches()
 
 
+def remove_models(folder: str | Path) -> None:
+    """No longer find the formulations of `folder`, which may be gone by now; undoes `add_models`.
+
+    Raises
+    ------
+    InputError
+        If `folder` is the shipped one, or was never added.
+    """
+    path = str(Path(folder).resolve())
+    if path not in formulations.__path__[1:]:
+        added = ", ".join(formulations.__path__[1:]) or "none"
+        raise InputError(f"not an added folder of models; there are {added}", file=folder)
+    formulations.__path__.remove(path)
+    reload_models()
+
+
+def copy_model(source: str, name: str, to: str | Path | None = None) -> Path:
+    """Copy the file of a formulation under a new name, to edit.
+
+    Parameters
+    ----------
+    source : str
+        The formulation to copy.
+    name : str
+        The new one's.
+    to : path, optional
+        The folder to put it in, which is made known as by `add_models`; by default the source's own.
+
+    Returns
+    -------
+    Path
+        The new file.
+
+    Raises
+    ------
+    InputError
+        If `name` is not a Python name or is taken, there is no such formulation or folder, or the
+        copy would be among the installed formulations.
+    """
+    if not name.isidentifier() or iskeyword(name) or name.startswith("_"):
+        raise InputError(f"{name!r}; give a Python name such as cluster_mine", field="name")
+    if to is not None:
+        add_models(to)
+    original = get(source)
+    taken = [path for path, _ in _files() if path.stem == name]
+    if taken:
+        raise InputError(f"{name!r} is already the name of {taken[0]}", field="name")
+    if to is None and "_shipped" in original.path.parts:
+        raise InputError(
+            "the installed formulations are not to be edited; give a folder to copy to"
+        )
+    path = (original.path.parent if to is None else Path(to)) / f"{name}.py"
+    write_text(path, read_text(original.path))
+    return path
+
+
 def reload_models() -> list[Listing]:
     """Read all formulations again, so that edited files take effect; returns what there is now."""
     prefix = formulations.__name__ + "."
@@ -109,6 +167,11 @@ def listings(stage: str | None = None) -> Iterator[Listing]:
         formulation = listing.formulation
         if stage is None or formulation is None or formulation.spec.stage == stage:
             yield listing
+
+
+def models(stage: str | None = None) -> list[Listing]:
+    """Every formulation found, or every one of a stage, broken files included."""
+    return list(listings(stage))
 
 
 def get(name: str, *, stage: str | None = None) -> Formulation:

@@ -45,7 +45,9 @@ def plot_assignment(plan: Plan, ax: Axes | None = None, *, robot_key: bool = Tru
         Column on x and row on y, in cells.
     """
     instance = plan.instance
-    ax = map_axes(instance.map, crowded=instance.n_victims > 50) if ax is None else ax
+    if ax is None:
+        lines = 8 + instance.n_robots * robot_key
+        ax = map_axes(instance.map, crowded=instance.n_victims > 50, lines=lines)
     plot_map(instance.map, ax)
     ax.set_title(f"Assignment\n{_summary(plan)}", fontsize=10)
     scale, styles = Scale.of(ax, instance.map), robot_styles(instance)

@@ -24,6 +24,8 @@ from ..mission.grid import Cell, GridMap
 from .style import INK, WALL, RobotStyle
 
 POINTS_PER_INCH = 72
+LINE_INCHES = 0.16
+"""Of a legend."""
 HALO = withStroke(linewidth=1.6, foreground="white")
 Box = tuple[float, float, float, float]
 """A box on the map in cells: ``(row, col)`` of its centre, height, width."""
@@ -36,7 +38,8 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         buffer = BytesIO()
-        self.savefig(buffer, format="png", dpi=110)
+        # A title may be wider than its map: what is shown is what there is, not the page.
+        self.savefig(buffer, format="png", dpi=110, bbox_inches="tight")
         return buffer.getvalue()
 
 
@@ -53,10 +56,10 @@ def own_axes(width: float, height: float) -> Axes:
     return figure.add_subplot(axes_class=PictureAxes)
 
 
-def map_axes(grid: GridMap, *, crowded: bool = False) -> Axes:
-    """Axes in a new figure that suits `grid`, with room for a legend below."""
+def map_axes(grid: GridMap, *, crowded: bool = False, lines: int = 4) -> Axes:
+    """Axes in a new figure that suits `grid`, with room for a legend of so many lines below."""
     width, height = panel_size(grid, crowded=crowded)
-    return own_axes(width + 0.6, height + 1.6)
+    return own_axes(width + 0.6, height + 1.0 + LINE_INCHES * lines)
 
 
 def panel_size(grid: GridMap, *, crowded: bool = False) -> tuple[float, float]:

@@ -16,6 +16,9 @@ from .style import FAINT, INK, NOBODY, RobotStyle, robot_styles
 
 MARGIN = 0.72
 """Cells by which an outline stays clear of the centres of its victims' cells."""
+LABEL = 2.2
+"""Height of a name in font sizes, with what keeps it clear of captions if the layout, which comes
+later, makes cells smaller."""
 
 
 def outline(cells: Sequence[Cell], margin: float = MARGIN) -> NDArray[np.float64]:
@@ -61,7 +64,7 @@ def draw_centres(
         ax.plot(col, row, "P", ms=0.6 * scale.mark, mfc=colour, mec="white", mew=0.6, zorder=4.5)
         takers = "" if faint else ",".join(f"R{robot}" for robot in cluster.robots)
         name = f"C{number}→{takers}" if takers else f"C{number}"
-        size = (1.5 * scale.font / scale.cell, (0.72 * len(name) + 0.5) * scale.font / scale.cell)
+        size = (LABEL * scale.font / scale.cell, (0.72 * len(name) + 0.5) * scale.font / scale.cell)
         own = (row, col, 0.6 * scale.mark / scale.cell, 0.6 * scale.mark / scale.cell)
         spot = free_spot((row, col), size, [*occupied, own], plan.instance.map.shape)
         occupied.append((*spot, *size))

@@ -21,7 +21,7 @@ def gantt_height(plan: Plan) -> float:
     return 1.0 + 0.27 * plan.instance.n_robots
 
 
-def plot_gantt(plan: Plan, ax: Axes | None = None) -> Axes:
+def plot_gantt(plan: Plan, ax: Axes | None = None, *, until: float | None = None) -> Axes:
     """Draw travel and service of each robot over time, and the makespan.
 
     Parameters
@@ -30,6 +30,9 @@ def plot_gantt(plan: Plan, ax: Axes | None = None) -> Axes:
         Of any planner.
     ax : Axes, optional
         Where to draw; a figure of its own by default.
+    until : float, optional
+        Where the time axis ends, in time units, so that several timelines have one scale; by
+        default, or if that is later, at this plan's makespan.
 
     Returns
     -------
@@ -39,22 +42,14 @@ def plot_gantt(plan: Plan, ax: Axes | None = None) -> Axes:
     ax = own_axes(11.0, gantt_height(plan) + 0.4) if ax is None else ax
     styles = robot_styles(plan.instance)
     makespan = plan.metrics.makespan
-    horizon = 1.02 * makespan or 1.0
+    horizon = 1.02 * max(makespan, until or 0.0) or 1.0
     points_per_time_unit = size_of(ax)[0] / horizon
     for row, robot in enumerate(plan.instance.robots):
         routes = [route for route in plan.routes if route.robot == robot.id]
         for route in routes:
             _row(ax, row, route, robot.speed, styles[robot.id], points_per_time_unit)
     ax.axvline(makespan, color=INK, lw=1.2, ls=(0, (4, 2)), zorder=4)
-    ax.text(
-        makespan,
-        1.02,
-        f"makespan {makespan:g}",
-        transform=ax.get_xaxis_transform(),
-        ha="right" if makespan else "left",
-        va="bottom",
-        fontsize=8,
-    )
+    _name_makespan(ax, makespan)
     ax.set(xlim=(0, horizon), ylim=(plan.instance.n_robots - 0.5, -0.5))
     ax.set_xlabel("time (time units)", fontsize=8)
     ax.set_ylabel("robot", fontsize=8)
@@ -70,13 +65,23 @@ def plot_gantt(plan: Plan, ax: Axes | None = None) -> Axes:
     ax.grid(axis="x", color="#E5E5E5", lw=0.6)
     ax.set_axisbelow(True)
     ax.spines[["top", "right"]].set_visible(False)
-    ax.set_title("Timeline", fontsize=10, loc="left")
+    ax.set_title("Timeline", fontsize=10)
     handles: list[Artist] = [
         Patch(fc=FAINT, ec=INK, lw=0.5, label="service (v: the victim's number)"),
         Patch(fc=FAINT, alpha=0.35, label="travel"),
     ]
     legend_below(ax, handles)
     return ax
+
+
+def _name_makespan(ax: Axes, makespan: float) -> None:
+    """Write the makespan above its line: as a tick's label, which any title keeps clear of."""
+    upper = ax.secondary_xaxis("top")
+    upper.set_xticks([makespan], [f"makespan {makespan:g}"], fontsize=8)
+    upper.tick_params(length=0, pad=2)
+    upper.spines["top"].set_visible(False)
+    for label in upper.get_xticklabels():
+        label.set_horizontalalignment("right" if makespan else "left")
 
 
 def _row(

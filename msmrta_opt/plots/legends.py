@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.container import Container
 from matplotlib.lines import Line2D
 
 from .canvas import size_of
@@ -16,15 +17,18 @@ from .style import FAINT, INK, RobotStyle
 LEGEND_FONT = 7.5
 
 
-def legend_below(ax: Axes, handles: Sequence[Artist], *, title: str = "") -> None:
-    """A legend under the axes and its x label, in as many columns as fit."""
+def legend_below(
+    ax: Axes, handles: Sequence[Artist | Container] | None = None, *, title: str = ""
+) -> None:
+    """A legend under the axes and its x label, in as many columns as fit; by default of all labels."""
+    handles = ax.get_legend_handles_labels()[0] if handles is None else handles
     if not handles:
         return
     longest = max(len(str(handle.get_label())) for handle in handles)
     width, _ = size_of(ax)
     columns = int(np.clip(width // (longest * 0.55 * LEGEND_FONT + 34), 1, len(handles)))
     ax.legend(
-        handles=handles,
+        handles=list(handles),
         loc="upper center",
         bbox_to_anchor=(0.5, 0),
         borderaxespad=4.6,  # in font sizes: clears tick labels and the axis label

@@ -47,7 +47,10 @@ def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
     if gantt:
         parts: Any = figure.subfigures(2, 1, height_ratios=(upper, lower))
         top, bottom = parts
-        plot_gantt(plan, bottom.subplots())
+        timeline = plot_gantt(plan, bottom.subplots())
+        # At the left, where the makespan of a whole plan never is, so that it needs no height.
+        timeline.set_title("")
+        timeline.set_title("Timeline", fontsize=10, loc="left", y=1.0)
     else:
         top = figure.subfigures(1, 1)
     scouting, assignment, paths = top.subplots(1, 3)

@@ -42,7 +42,9 @@ def plot_paths(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) ->
         Column on x and row on y, in cells.
     """
     instance = plan.instance
-    ax = map_axes(instance.map, crowded=instance.n_victims > 50) if ax is None else ax
+    if ax is None:
+        lines = 2 + instance.n_robots * robot_key
+        ax = map_axes(instance.map, crowded=instance.n_victims > 50, lines=lines)
     plot_map(instance.map, ax)
     figures = plan.metrics
     ax.set_title(

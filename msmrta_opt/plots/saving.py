@@ -34,6 +34,11 @@ def save_figure(figure: Figure, path: str | Path, dpi: float = 150) -> None:
     dpi : float
         Dots per inch, of a PNG and of what is drawn as dots in the other formats.
 
+    Notes
+    -----
+    A page, such as that of `plot_mission`, keeps its size; axes alone are cut to what they hold,
+    with titles and legends that reach beyond the map.
+
     Raises
     ------
     InputError
@@ -51,6 +56,10 @@ def save_figure(figure: Figure, path: str | Path, dpi: float = 150) -> None:
         write_with(
             path,
             lambda temporary: figure.savefig(
-                temporary, format=kind, dpi=dpi, metadata=dict(FORMATS[kind])
+                temporary,
+                format=kind,
+                dpi=dpi,
+                metadata=dict(FORMATS[kind]),
+                bbox_inches=None if figure.subfigs else "tight",
             ),
         )

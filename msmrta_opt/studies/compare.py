@@ -49,6 +49,13 @@ class Case:
     time_limit: float | None
     gap: float | None
     folders: tuple[str, ...]
+    structure: bool = True
+    """Whether ``auto`` may use what the matrix proves."""
+
+    @property
+    def key(self) -> tuple[str, str, str, int | None]:
+        """What identifies the solve, as `Row.key` does."""
+        return self.instance.name, self.model, self.solver, self.seed
 
 
 def cases(
@@ -62,11 +69,13 @@ def cases(
     parameters: dict[str, float] | None = None,
     time_limit: float | None = None,
     gap: float | None = None,
+    structure: bool = True,
 ) -> list[Case]:
     """Every combination to solve, in the order of instances, models, solvers, seeds.
 
     Without `models` all formulations of the stage are meant, broken files included; without
-    `solver_names` ``auto`` and every installed solver.
+    `solver_names` ``auto`` and every installed solver. Without `structure` the solver ``auto`` is
+    HiGHS with the integer program as it stands.
 
     Raises
     ------
@@ -103,6 +112,7 @@ def cases(
             time_limit,
             gap,
             folders,
+            structure,
         )
         for instance, model, solver, seed in product(
             instances, chosen, names, dict.fromkeys(seeds or (None,))
@@ -186,6 +196,7 @@ def solve_case(case: Case) -> tuple[Solution, float]:
             formulation,
             data,
             solver=case.solver,
+            structure=case.structure,
             seed=case.seed,
             time_limit=case.time_limit if able else None,
             gap=case.gap,
@@ -292,19 +303,63 @@ def comparison(
     models: Sequence[str] = (),
     solvers: Sequence[str] = (),
     seeds: Sequence[int] = (),
+    options: StagedOptions | None = None,
     jobs: int = 1,
     time_limit: float | None = 60.0,
     memory_limit: float | None = None,
+    gap: float | None = None,
+    structure: bool = True,
     **parameters: float,
 ) -> pd.DataFrame:
-    """Compare formulations and solvers on instances, as a pandas table; see `cases` and `compare`."""
+    """Compare formulations and solvers on instances, as a pandas table.
+
+    Parameters
+    ----------
+    instances : sequence of Instance
+        Each with a name of its own.
+    stage : str
+        Of the formulations.
+    models, solvers : sequence of str
+        By default all formulations of the stage; ``auto`` and every installed solver.
+    seeds : sequence of int
+        Of the solvers.
+    options : StagedOptions, optional
+        Of the stages before this one.
+    jobs : int
+        Solves at a time; more than one makes times less comparable.
+    time_limit : float, optional
+        Seconds per solve.
+    memory_limit : float, optional
+        MiB per solve.
+    gap : float, optional
+        Relative gap to stop at.
+    structure : bool
+        Whether ``auto`` may use what the matrix proves.
+    **parameters : float
+        The formulations' own, for instance ``psi``.
+
+    Returns
+    -------
+    DataFrame
+        One row a solve, in the order of `cases`, one column per field of `Row`.
+
+    Raises
+    ------
+    InputError
+        As `cases`.
+    """
     todo = cases(
         instances,
         stage=stage,
         models=models,
         solver_names=solvers,
         seeds=seeds,
+        options=options,
         parameters=parameters,
         time_limit=time_limit,
+        gap=gap,
+        structure=structure,
     )
-    return frame(list(compare(todo, jobs=jobs, memory_limit=memory_limit)))
+    place = {case.key: i for i, case in enumerate(todo)}
+    rows = compare(todo, jobs=jobs, memory_limit=memory_limit)
+    return frame(sorted(rows, key=lambda row: place[row.key]))

@@ -3,28 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter, Locator, LogLocator, MaxNLocator, NullFormatter
 
-from .rows import Row
+from ..plots.canvas import own_axes
+from ..plots.legends import legend_below
+from .rows import Row, as_rows
 from .staging import Loss
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 LINES = ("-", "--", "-.", ":")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's palette, which colour-blind people can tell apart."""
 
 
-def performance_profile(rows: Sequence[Row], ax: Axes | None = None) -> Axes:
+def performance_profile(rows: Sequence[Row] | pd.DataFrame, ax: Axes | None = None) -> Axes:
     """Share of programs that each solver solves within a factor of the best solver's time.
 
     A program is one formulation on one instance with one seed; only those that some solver solved
     to optimality count. Source: Dolan and Moré (2002).
+
+    Parameters
+    ----------
+    rows : sequence of Row or DataFrame
+        Of a comparison.
+    ax : Axes, optional
+        Where to draw; a figure of its own by default.
+
+    Returns
+    -------
+    Axes
+        The factor on x, on a logarithmic scale; percent of the programs on y.
     """
-    ax = ax or Figure(figsize=(7.5, 4.8), layout="constrained").subplots()
-    ratios, n_programs = _ratios(rows)
+    ax = own_axes(7.5, 4.8) if ax is None else ax
+    ratios, n_programs = _ratios(as_rows(rows))
     worst = max((max(values, default=1.0) for values in ratios.values()), default=1.0) * 1.3
     for i, (solver, values) in enumerate(ratios.items()):
         steps = np.sort(values)
@@ -41,9 +58,9 @@ def performance_profile(rows: Sequence[Row], ax: Axes | None = None) -> Axes:
         )
     ax.set_xscale("log")
     ax.set_xlim(1.0, worst)
-    factors = FuncFormatter(lambda factor, _: f"{factor:g}×")
-    ax.xaxis.set_major_formatter(factors)
-    ax.xaxis.set_minor_formatter(factors if worst < 10 else NullFormatter())
+    ax.xaxis.set_major_locator(_factors(worst))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda factor, _: f"{factor:g}×"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
     ax.set_ylim(-2, 102)
     ax.set_xlabel("time, as a multiple of the best solver's on the same program")
     ax.set_ylabel("programs solved to optimality (%)")
@@ -52,6 +69,13 @@ def performance_profile(rows: Sequence[Row], ax: Axes | None = None) -> Axes:
     if ratios:
         ax.legend(title="solver (programs solved)", loc="lower right")
     return ax
+
+
+def _factors(worst: float) -> Locator:
+    """Which factors are marked: several, whether the worst is 2 or 2000."""
+    if worst < 4:
+        return MaxNLocator(6, steps=[1, 2, 5, 10])
+    return LogLocator(subs=(1, 2, 5) if worst < 1000 else (1,))
 
 
 def _ratios(rows: Sequence[Row]) -> tuple[dict[str, list[float]], int]:
@@ -75,8 +99,23 @@ def _ratios(rows: Sequence[Row]) -> tuple[dict[str, list[float]], int]:
 def staging_losses(
     priced: Mapping[str, Sequence[Loss]], objective: str, ax: Axes | None = None
 ) -> Axes:
-    """Per mission a bar: what a staged plan needs at best, and what each stage adds, in time units."""
-    ax = ax or Figure(figsize=(9, 3), layout="constrained").subplots()
+    """Per mission a bar: what a staged plan needs at best, and what each stage adds.
+
+    Parameters
+    ----------
+    priced : mapping of str to sequence of Loss
+        What `price_of_staging` finds, by the mission's name.
+    objective : {"total_time", "makespan"}
+        What was priced.
+    ax : Axes, optional
+        Where to draw; a figure of its own by default.
+
+    Returns
+    -------
+    Axes
+        The objective on x, in time units; a row per mission.
+    """
+    ax = own_axes(9, 1.9 + 0.35 * len(priced)) if ax is None else ax
     for row, losses in enumerate(priced.values()):
         left = losses[-1].after
         ax.barh(row, left, color="#D9D9D9", edgecolor="white", label="all free" if not row else "")
@@ -84,11 +123,11 @@ def staging_losses(
             label = f"lost by {item.stage}" if not row else ""
             ax.barh(row, item.loss, left=left, color=COLOURS[i], edgecolor="white", label=label)
             left += item.loss
-        ax.text(left, row, f" {left:.6g}", va="center")
+        ax.text(left, row, f" {left:.1f}", va="center")
     ax.set_yticks(range(len(priced)), list(priced))
     ax.invert_yaxis()
     ax.set_xlabel(f"{objective.replace('_', ' ')} (time units)")
     ax.set_title("What each stage of the staged plan costs")
     ax.margins(x=0.12)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.3), ncols=3, frameon=False)
+    legend_below(ax)
     return ax

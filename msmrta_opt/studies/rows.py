@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..mission.errors import InputError
 from ..optimise.solution import Status
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-6
 """Relative difference up to which two optima agree."""
+WHOLE = frozenset({"seed", "nodes", "n_variables", "n_rows"})
 SHIFT_SECONDS = 0.01
 """Shift of the geometric means of solving times."""
 
@@ -52,14 +54,21 @@ class Row:
         return self.instance, self.model, self.solver, self.seed
 
 
-def disagreements(rows: Sequence[Row], tolerance: float = TOLERANCE) -> list[str]:
+def disagreements(rows: Sequence[Row] | pd.DataFrame, tolerance: float = TOLERANCE) -> list[str]:
     """Where solves of one formulation on one instance contradict each other, one line each.
 
     Two optima differ, a feasible value is better than a proven bound, or one solve proves a
     program infeasible or unbounded for which another has a point or a bound.
+
+    Parameters
+    ----------
+    rows : sequence of Row or DataFrame
+        Of a comparison.
+    tolerance : float
+        Relative difference up to which two values agree.
     """
     groups: dict[tuple[str, str], list[Row]] = {}
-    for row in rows:
+    for row in as_rows(rows):
         groups.setdefault((row.instance, row.model), []).append(row)
     found = []
     for (instance, model), group in groups.items():
@@ -94,6 +103,35 @@ def frame(rows: Sequence[Row]) -> pd.DataFrame:
     import pandas as pd
 
     return pd.DataFrame([asdict(row) for row in rows], columns=[f.name for f in fields(Row)])
+
+
+def as_rows(rows: Sequence[Row] | pd.DataFrame) -> Sequence[Row]:
+    """The rows of a comparison, whether they come as they are or as the table of `frame`.
+
+    Raises
+    ------
+    InputError
+        If the table lacks columns of `frame`.
+    """
+    if isinstance(rows, Sequence):
+        return rows
+    named = [name for name in rows.index.names if name is not None]
+    table = rows.reset_index(level=named) if named else rows
+    columns = [item.name for item in fields(Row)]
+    if missing := [name for name in columns if name not in table.columns]:
+        raise InputError(
+            f"{', '.join(missing)}; give the table as compare returns it", field="missing columns"
+        )
+    known = table[columns].astype(object).where(table[columns].notna(), None)
+    return [
+        Row(**{name: _whole(name, value) for name, value in record.items()})
+        for record in known.to_dict("records")
+    ]
+
+
+def _whole(name: str, value: Any) -> Any:
+    """The value as a row has it: a column of whole numbers with gaps has become one of floats."""
+    return int(value) if name in WHOLE and value is not None else value
 
 
 def shifted_geometric_means(

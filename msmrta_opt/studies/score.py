@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mission.errors import MsmrtaError
+from ..mission.errors import InputError, MsmrtaError
 from ..mission.instance import Instance
 from ..mission.plan import Plan
 from ..optimise import registry
@@ -50,15 +50,30 @@ class Score:
     message: str = ""
 
 
-def score(instance: Instance, stage: str, model: str, options: StagedOptions) -> Score:
+def score(
+    instance: Instance, stage: str, model: str, options: StagedOptions | None = None
+) -> Score:
     """Plan `instance` with `model` in its stage, and measure the plan.
+
+    Parameters
+    ----------
+    instance : Instance
+        The mission.
+    stage : str
+        One of `STAGES`.
+    model : str
+        A formulation of that stage.
+    options : StagedOptions, optional
+        All else; the defaults are the planner's.
 
     Raises
     ------
-    KeyError
+    InputError
         If the staged planner has no such stage.
     """
-    options = StagedOptions(**{**options.as_dict(), STAGES[stage]: model})
+    if stage not in STAGES:
+        raise InputError(f"{stage!r}; give one of {', '.join(STAGES)}", field="stage")
+    options = StagedOptions(**{**(options or StagedOptions()).as_dict(), STAGES[stage]: model})
     try:
         plan = make_plan(instance, **options.as_dict())
     except MsmrtaError as error:

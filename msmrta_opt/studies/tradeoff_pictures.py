@@ -6,7 +6,7 @@ returns the axes; `tradeoff_figure` and `regions_figure` compose them and return
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import groupby, pairwise
 from typing import Any
@@ -17,10 +17,13 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
 
 from ..mission.errors import InputError
 from ..mission.plan import Plan
-from ..plots.canvas import Picture, own_axes, panel_size
+from ..plots.canvas import Picture, own_axes, panel_size, size_of
+from ..plots.legends import legend_below
 from ..plots.paths import plot_paths
 from ..plots.style import FAINT, INK, PALETTE
 from .tradeoff import Assignment, Region, Regions, Segment, Tradeoff
@@ -42,6 +45,9 @@ METRICS = {
 """Metrics that the map of regions can be coloured by, and what its scale says of them."""
 MOST_NAMED = 12
 """Breakpoints that are named one by one; of more, the names would overlap."""
+NAME_FONT = 7.0
+LEADER = 5.0
+"""Points between the axes and the names of breakpoints, crossed by a line to each."""
 
 
 def plot_value(result: Tradeoff, ax: Axes | None = None) -> Axes:
@@ -78,7 +84,7 @@ def plot_value(result: Tradeoff, ax: Axes | None = None) -> Axes:
     ax.set_ylabel(f"objective ({UNIT[result.over]})")
     _parameter_axis(ax, result)
     ax.set_title(f"Optimal value over {SYMBOL[result.over]}, {_count(result)}", fontsize=10)
-    ax.legend(fontsize=8, loc="best")
+    legend_below(ax)
     return ax
 
 
@@ -300,13 +306,35 @@ def _parameter_axis(ax: Axes, result: Tradeoff) -> None:
     for t in result.breakpoints:
         ax.axvline(float(t), color=FAINT, linewidth=0.8, linestyle="--", zorder=0.5)
     if 0 < len(result.breakpoints) <= MOST_NAMED:
-        upper = ax.secondary_xaxis("top")
-        upper.set_xticks(
-            [float(t) for t in result.breakpoints],
-            [_short(t) for t in result.breakpoints],
-            fontsize=7,
-            rotation=90 if len(result.breakpoints) > 3 else 0,
-        )
+        _name_breakpoints(ax, result.breakpoints)
+
+
+def _name_breakpoints(ax: Axes, breakpoints: Sequence[Fraction]) -> None:
+    """Names above the axes: upright where they fit side by side, else turned and moved apart."""
+    names = [_short(t) for t in breakpoints]
+    width, _ = size_of(ax)
+    places = np.array([float(t) for t in breakpoints])
+    room = (0.62 * max(map(len, names)) + 1) * NAME_FONT / width
+    turned = bool(np.any(np.diff(places) < room))
+    spots = apart(places, 1.35 * NAME_FONT / width) if turned else places
+    upper = ax.secondary_xaxis("top")
+    upper.set_xticks(spots, names, fontsize=NAME_FONT, rotation=90 if turned else 0)
+    upper.tick_params(length=0, pad=LEADER + 1)
+    for place, spot in zip(places, spots, strict=True):
+        ax.annotate(
+            "",
+            (place, 1),
+            xycoords=("data", "axes fraction"),
+            xytext=((spot - place) * width, LEADER),
+            textcoords="offset points",
+            arrowprops={"arrowstyle": "-", "color": INK, "lw": 0.7, "shrinkA": 0, "shrinkB": 0},
+        ).set_in_layout(False)
+
+
+def apart(places: NDArray[np.float64], least: float) -> NDArray[np.float64]:
+    """Ascending places, moved as little as can be (least squares) to be `least` apart."""
+    steps = least * np.arange(len(places))
+    return np.asarray(isotonic_regression(places - steps).x + steps, dtype=np.float64)
 
 
 def _draw_region(ax: Axes, region: Region, colour: tuple[float, ...], text: str) -> None:

@@ -91,6 +91,19 @@ def test_seeds_may_be_listed_with_commas(run: Run, tmp_path: Path) -> None:
     assert [row["seed"] for row in documents] == [2, 1, 2, 1]
 
 
+@pytest.mark.parametrize(
+    ("flags", "by_structure"), [((), True), (("--structure",), True), (("--no-structure",), False)]
+)
+def test_structure_is_used_unless_told_otherwise(
+    run: Run, tmp_path: Path, flags: tuple[str, ...], by_structure: bool
+) -> None:
+    """Either way the paper's mission is worth 6.15; only its matrix tells that this is an assignment."""
+    assert run(*ONE, *flags, "--json", tmp_path / "rows.json", solvers="auto") == 0
+    found = json.loads((tmp_path / "rows.json").read_text())[1]
+    assert found["objective"] == pytest.approx(6.15)
+    assert ("totally unimodular" in found["proof"]) == by_structure
+
+
 def test_a_folder_of_models_is_compared_by_itself_and_a_fault_leaves_the_rest_whole(
     run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -15,10 +15,13 @@ from msmrta_opt.optimise.registry import (
     ENVIRONMENT,
     Listing,
     add_models,
+    copy_model,
     folders,
     get,
     listings,
+    models,
     reload_models,
+    remove_models,
 )
 from msmrta_opt.optimise.solve import solve
 
@@ -287,3 +290,32 @@ def test_reloading_lists_what_there_is_now(folder: Path) -> None:
     assert names["new"] is False
     assert names["broken"] is True
     assert names["cluster_printed"] is False
+
+
+def test_a_copy_is_known_at_once_and_solved(folder: Path) -> None:
+    path = copy_model("cluster_printed", "cluster_mine", to=folder)
+    assert path == folder / "cluster_mine.py"
+    assert path.read_text() == get("cluster_printed").path.read_text()
+    assert "cluster_mine" in [item.name for item in models("cluster")]
+
+
+def test_a_copy_never_takes_a_name_that_is_taken(folder: Path) -> None:
+    with pytest.raises(InputError, match="already the name of"):
+        copy_model("cluster_printed", "cluster_budgeted", to=folder)
+    assert list(folder.glob("*.py")) == []
+
+
+def test_a_removed_folder_is_no_longer_looked_into_even_if_it_is_gone(folder: Path) -> None:
+    before = [item.name for item in models()]
+    path = copy_model("cluster_printed", "cluster_mine", to=folder)
+    path.unlink()
+    folder.rmdir()
+    remove_models(folder)
+    assert [item.name for item in models()] == before
+    assert folder not in folders()
+
+
+def test_only_an_added_folder_can_be_removed(folder: Path) -> None:
+    for wrong in (folder / "none", folders()[0]):
+        with pytest.raises(InputError, match="not an added folder of models"):
+            remove_models(wrong)

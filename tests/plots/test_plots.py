@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
@@ -21,6 +22,7 @@ from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import plan as make_plan
+from msmrta_opt.plots.canvas import PictureAxes
 
 PANELS: list[Callable[..., Axes]] = [
     plots.plot_scouting,
@@ -39,6 +41,7 @@ def texts(ax: Axes) -> str:
     legends = [legend.get_texts() for legend in [ax.get_legend()] if legend]
     parts = [ax.get_title(), ax.get_title("left"), ax.get_xlabel(), ax.get_ylabel()]
     parts += [text.get_text() for text in ax.texts]
+    parts += [label.get_text() for above in ax.child_axes for label in above.get_xticklabels()]
     return " ".join([*parts, *(text.get_text() for group in legends for text in group)])
 
 
@@ -155,3 +158,50 @@ def test_legends_do_not_lie_on_one_another(planned: Plan) -> None:
     for i, one in enumerate(boxes):
         for other in boxes[:i]:
             assert not one.overlaps(other)
+
+
+def touches_an_edge(png: bytes) -> bool:
+    pixels = np.asarray(Image.open(BytesIO(png)).convert("L"))
+    frame = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
+    return bool((frame < 255).any())
+
+
+def test_a_title_wider_than_its_map_is_not_cut(tmp_path: Path) -> None:
+    narrow = random_mission(grid_from_rows(["..", ".@", ".."]), 2, 2, seed=0)
+    ax = plots.plot_paths(make_plan(narrow))
+    ax.set_title("wider than any map of two columns is, by a good deal of words")
+    assert isinstance(ax, PictureAxes)
+    shown = ax._repr_png_()
+    assert shown is not None
+    assert not touches_an_edge(shown)
+    plots.save_figure(ax.figure, tmp_path / "paths.png")
+    assert not touches_an_edge((tmp_path / "paths.png").read_bytes())
+
+
+def test_timelines_can_have_one_scale_which_cuts_none_of_them(planned: Plan) -> None:
+    makespan = planned.metrics.makespan
+    ends = [
+        plots.plot_gantt(planned, until=until).get_xlim()[1]
+        for until in (None, 0.5 * makespan, 2 * makespan)
+    ]
+    assert ends[0] == ends[1] >= makespan
+    assert ends[2] == pytest.approx(2 * ends[0])
+
+
+def test_a_title_of_ones_own_takes_the_place_of_the_timelines(planned: Plan) -> None:
+    ax = plots.plot_gantt(planned)
+    ax.set_title("mine")
+    assert [ax.get_title(side) for side in ("left", "center", "right")] == ["", "mine", ""]
+
+
+@pytest.mark.parametrize("own", [True, False], ids=["own figure", "low figure"])
+def test_names_of_clusters_leave_those_of_victims_legible(planned: Plan, own: bool) -> None:
+    given = None if own else Figure(figsize=(5.5, 6.3), layout="constrained").subplots()
+    ax = plots.plot_assignment(planned, given)
+    ax.figure.savefig(BytesIO())
+    boxes = {text.get_text(): text.get_window_extent() for text in ax.texts}
+    clusters = [box for name, box in boxes.items() if name.startswith("C")]
+    victims = [box for name, box in boxes.items() if name.startswith("v")]
+    assert len(clusters) == len(planned.clusters)
+    assert len(victims) == planned.instance.n_victims
+    assert not any(one.overlaps(other) for one in clusters for other in victims)

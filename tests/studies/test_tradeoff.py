@@ -8,6 +8,7 @@ import random
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from msmrta_opt.cli import run
@@ -17,6 +18,7 @@ from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.planners import plan
 from msmrta_opt.studies.tradeoff import tradeoff, tradeoff_regions
+from msmrta_opt.studies.tradeoff_pictures import apart, plot_value
 
 INSTANCES = Path(__file__).parents[2] / "instances"
 PAPER = INSTANCES / "paper.json"
@@ -107,3 +109,11 @@ def test_names_of_close_breakpoints_are_moved_apart_by_hand() -> None:
     found = apart(np.array([0.5, 0.52, 0.9]), 0.1)
     assert found == pytest.approx([0.46, 0.56, 0.9])
     assert apart(np.array([0.1, 0.5]), 0.1) == pytest.approx([0.1, 0.5])
+
+
+def test_the_legend_of_the_value_leaves_the_lines_free(paper: Instance) -> None:
+    ax = plot_value(tradeoff(paper, "psi"))
+    ax.figure.canvas.draw()
+    legend = ax.get_legend()
+    assert legend is not None
+    assert not legend.get_window_extent().overlaps(ax.get_window_extent())

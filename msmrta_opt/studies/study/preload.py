@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+
 import cvxpy  # noqa: F401
 
 from ...planners import planners
@@ -10,3 +12,6 @@ from ...planners.base import versions
 # Formulations are not among them: a worker of a cluster outlives edits of their files.
 planners()
 versions()
+# What all have is not to be looked through again by each of them, nor copied for it.
+gc.collect()
+gc.freeze()
