@@ -109,37 +109,39 @@ def run(
             longest_walk=longest_walk,
             return_to_start=return_to_start,
         )
-    with watch("joint problem"), _interruptible() as interrupted:
-        routes, bound = _solve(
-            situation, data, objective, time_limit, gap, seed, report, interrupted
+    # Until it is returned: a plan that is worked out is not lost to a late Ctrl-C.
+    with _interruptible() as interrupted:
+        with watch("joint problem"):
+            routes, bound = _solve(
+                situation, data, objective, time_limit, gap, seed, report, interrupted
+            )
+        with watch("path planning"):
+            legs = path_planning(known, stops_of(situation, routes, STAGE))
+            if return_to_start:
+                legs = tuple(_with_way_back(known, route) for route in legs)
+        plan = assemble(
+            instance,
+            known,
+            planner=PLANNER.name,
+            options={
+                "objective": objective,
+                "time_limit": time_limit,
+                "gap": gap,
+                "seed": seed,
+                "endurance": endurance,
+                "longest_walk": longest_walk,
+                "return_to_start": return_to_start,
+            },
+            routes=legs,
+            missing=missing,
+            report=scouting,
+            seconds=watch.seconds,
         )
-    with watch("path planning"):
-        legs = path_planning(known, stops_of(situation, routes, STAGE))
-        if return_to_start:
-            legs = tuple(_with_way_back(known, route) for route in legs)
-    plan = assemble(
-        instance,
-        known,
-        planner=PLANNER.name,
-        options={
-            "objective": objective,
-            "time_limit": time_limit,
-            "gap": gap,
-            "seed": seed,
-            "endurance": endurance,
-            "longest_walk": longest_walk,
-            "return_to_start": return_to_start,
-        },
-        routes=legs,
-        missing=missing,
-        report=scouting,
-        seconds=watch.seconds,
-    )
-    left = _left_out(situation, data)
-    certificate = _certificate(known, data, routes, objective, bound)
-    return plan.model_copy(
-        update={"unserved": (*plan.unserved, *left), "certificates": (certificate,)}
-    )
+        left = _left_out(situation, data)
+        certificate = _certificate(known, data, routes, objective, bound)
+        return plan.model_copy(
+            update={"unserved": (*plan.unserved, *left), "certificates": (certificate,)}
+        )
 
 
 def _solve(

@@ -11,7 +11,7 @@ Source: Achterberg, Constraint Integer Programming (2007), for what a constraint
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,6 +31,7 @@ from .cuts import Cut, separate
 from .data import Routes
 from .extraction import point_supports, routes_of
 from .grain import granularity
+from .narrow import Row
 from .tree import Tree
 
 SEPARATE_FROM = 0.02
@@ -158,6 +159,7 @@ def branch_and_cut(
     seed: int = 0,
     improved: Callable[[Routes], None] = lambda routes: None,
     go_on: Callable[[float], bool] = lambda bound: True,
+    more: Sequence[Row] = (),
     verbose: bool = False,
 ) -> Tree:
     """Solve the program within the columns' bounds for answers better than `best`.
@@ -180,6 +182,8 @@ def branch_and_cut(
         Called with the routes of every integral point that satisfies all cuts.
     go_on : callable
         Asked with the bound proved so far; if false, the tree stops.
+    more : sequence of Row
+        Rows besides, see `narrow`.
     """
     grain = granularity(columns.data, columns.objective)
     step = grain.step or 1.0
@@ -206,7 +210,7 @@ def branch_and_cut(
         model.chgVarBranchPriority(variables[-1], int(priority[j]))
     place = np.full(columns.n_columns, -1)
     place[used] = np.arange(len(used))
-    _add_rows(model, columns, variables, place, cuts, step if scaled else 1.0)
+    _add_rows(model, columns, variables, place, cuts, more, step if scaled else 1.0)
 
     until = time.monotonic() + time_limit
 
@@ -272,6 +276,7 @@ def _add_rows(
     variables: list[Any],
     place: Ints,
     cuts: tuple[Cut, ...],
+    more: Sequence[Row],
     unit: float,
 ) -> None:
     matrix, row_lower, row_upper = columns.rows
@@ -302,3 +307,5 @@ def _add_rows(
     for cut in cuts:
         column, weight = columns.cut_row(cut)
         add(column, weight, -np.inf, 0.0)
+    for column, weight, most in more:
+        add(column, weight, -np.inf, most)

@@ -8,10 +8,11 @@ is a relaxation, so each of their bounds holds.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import highspy
 import numpy as np
+from scipy.sparse import vstack
 
 from ..formulation import Floats
 from .columns import Columns
@@ -19,6 +20,8 @@ from .cuts import Cut, separate
 from .data import Routes
 from .extraction import point_supports, routes_of
 from .grain import granularity
+from .narrow import Row
+from .rows import Rows
 from .tree import Tree
 
 
@@ -33,22 +36,28 @@ def resolve(
     seed: int = 0,
     improved: Callable[[Routes], None] = lambda routes: None,
     go_on: Callable[[float], bool] = lambda bound: True,
+    more: Sequence[Row] = (),
 ) -> Tree:
     """As `branch_and_cut.branch_and_cut`, by HiGHS."""
     grain = granularity(columns.data, columns.objective)
     until = time.monotonic() + time_limit
     known = list(cuts)
+    rows = Rows(columns.n_columns)
+    for column, weight, most in more:
+        rows.add(np.zeros_like(column), column, weight, np.array([-np.inf]), np.array([most]))
+    extra, extra_lower, extra_upper = rows.done()
     used = np.flatnonzero(upper > 0)
     bound, nodes = -np.inf, 0
     while (left := until - time.monotonic()) > 0 and go_on(bound):
         program = columns.program(known)
-        matrix = program.matrix[:, used].tocsc()
+        matrix = vstack([program.matrix, extra], format="csr")[:, used].tocsc()
         model = highspy.HighsLp()
-        model.num_col_, model.num_row_ = len(used), program.n_rows
+        model.num_col_, model.num_row_ = len(used), matrix.shape[0]
         model.col_cost_ = program.cost[used]
         model.offset_ = program.offset
         model.col_lower_, model.col_upper_ = lower[used], upper[used]
-        model.row_lower_, model.row_upper_ = program.row_lower, program.row_upper
+        model.row_lower_ = np.concatenate([program.row_lower, extra_lower])
+        model.row_upper_ = np.concatenate([program.row_upper, extra_upper])
         model.a_matrix_.format_ = highspy.MatrixFormat.kColwise
         model.a_matrix_.start_, model.a_matrix_.index_ = matrix.indptr, matrix.indices
         model.a_matrix_.value_ = matrix.data

@@ -14,7 +14,7 @@ from __future__ import annotations
 import importlib.util
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -28,6 +28,7 @@ from .data import Objective, Routes, RoutingData, faults, value
 from .fixing import fixed
 from .grain import Grain, granularity
 from .local_search import improve
+from .narrow import Row, in_order, own_visits
 from .relaxation import Relaxation, Relaxed
 from .tree import Tree
 
@@ -54,6 +55,7 @@ class _Search(Protocol):
         seed: int,
         improved: Callable[[Routes], None],
         go_on: Callable[[float], bool],
+        more: Sequence[Row],
     ) -> Tree: ...
 
 
@@ -273,6 +275,7 @@ class _Run:
         *,
         seconds: float,
         proved: Callable[[float], None] = lambda bound: None,
+        more: Sequence[Row] = (),
     ) -> Tree:
         """Branch and cut for answers better than `target` on columns whose `upper` is not 0."""
         lower, upper = fixed(self.columns, relaxed, target, np.zeros(self.columns.n_columns), upper)
@@ -291,6 +294,7 @@ class _Run:
             seed=self.seed,
             improved=self.offer,
             go_on=go_on,
+            more=[*own_visits(self.columns), *more],
         )
 
     def branch(self, relaxed: Relaxed) -> None:
@@ -300,7 +304,14 @@ class _Run:
         def proved(bound: float) -> None:
             self.raise_bound(min(bound, target, self.value), "branch and cut")
 
-        tree = self.search(relaxed, self.columns.upper, target, seconds=self.left(), proved=proved)
+        tree = self.search(
+            relaxed,
+            self.columns.upper,
+            target,
+            seconds=self.left(),
+            proved=proved,
+            more=in_order(self.columns),
+        )
         proved(tree.bound)
 
     def result(self) -> Bound:
