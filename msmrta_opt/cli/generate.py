@@ -87,7 +87,8 @@ def generate(
 
     from ..mission.files import write_text
     from ..mission.generate import generate_mission
-    from ..mission.layouts import check_share, make_map, share_of
+    from ..mission.layouts import check_share, share_of
+    from ..mission.named_maps import make_map
     from .outputs import check_outputs
 
     check_outputs(output)

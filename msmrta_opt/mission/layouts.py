@@ -1,4 +1,4 @@
-"""Maps to generate missions on: the named maps of `instances/maps`, rooms, rubble and mazes.
+"""Maps to generate missions on: rooms, rubble and mazes.
 
 The same seed gives the same map on every machine: all choices come from streams that numpy has frozen,
 and no float decides anything. Mazes and buildings are one idea: places between walls, joined by a
@@ -8,23 +8,15 @@ share of the other walls is opened.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from decimal import ROUND_HALF_UP, Decimal
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
 from .grid import Cell, GridMap
-from .maps import read_map
 
-LAYOUTS = {
-    "rooms": ("size", "room", "openings"),
-    "rubble": ("size", "density"),
-    "maze": ("size", "openings"),
-}
-"""Maps to generate, and their options."""
 LONGEST_SIDE = 1000
 CORRIDOR = 2
 """Width of a building's corridors in cells."""
@@ -32,38 +24,10 @@ _STARTS_TRIED = 60
 _PARTS_WEIGHED = 60
 _CROSS = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]])
 
-_PACKAGE = Path(__file__).resolve().parents[1]
-_CHECKOUT = _PACKAGE.parent
-
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 Span = tuple[int, int]  # first cell, number of cells
 Area = tuple[Span, Span]  # of rows, of columns
-
-
-def named_maps() -> dict[str, Path]:
-    """The map files that come with the package, by name: the checkout's, or a wheel's copies."""
-    home = _CHECKOUT if (_CHECKOUT / "pyproject.toml").is_file() else _PACKAGE / "_shipped"
-    return {path.stem: path for path in sorted((home / "instances" / "maps").glob("*.map"))}
-
-
-def find_map(name_or_file: str | Path) -> GridMap:
-    """The map of a name in `named_maps`, or of a file.
-
-    Raises
-    ------
-    InputError
-        If it is neither, or the file is not a map.
-    """
-    known = named_maps()
-    if str(name_or_file) in known:
-        return read_map(known[str(name_or_file)])
-    if not Path(name_or_file).exists():
-        raise InputError(
-            f"{str(name_or_file)!r} is no file and no known map; known: {', '.join(known)}",
-            field="map",
-        )
-    return read_map(name_or_file)
 
 
 def rooms(n_rows: int, n_cols: int, *, seed: int, room: int = 4, openings: float = 0.1) -> GridMap:
@@ -226,50 +190,6 @@ def with_pocket(grid: GridMap, n_cells: int, *, seed: int) -> GridMap:
         return len(cells) - size - len(border) - int(largest_region(cut(border)).sum())
 
     return cut(min(likely, key=stray)[1])
-
-
-def make_map(
-    name_or_file: str | Path,
-    *,
-    seed: int,
-    n_cut_off: int = 0,
-    size: tuple[int, int] | None = None,
-    **options: float,
-) -> GridMap:
-    """The map of a layout's name, generated; or of a name in `named_maps`, or of a file.
-
-    Parameters
-    ----------
-    name_or_file : str or path
-        A layout is one of `LAYOUTS`.
-    seed : int
-        Determines a generated map.
-    n_cut_off : int
-        Free cells out of reach that a generated map has at least.
-    size : (n_rows, n_cols), optional
-        Of a generated map, in cells.
-    **options
-        Of the layout, see `LAYOUTS`.
-
-    Raises
-    ------
-    InputError
-        If there is no such map, or an option is not for it, missing, or out of range.
-    """
-    layout = str(name_or_file)
-    given = dict(options) if size is None else {"size": size, **options}
-    for option in given:
-        if option not in LAYOUTS.get(layout, ()):
-            users = " or ".join(name for name, has in LAYOUTS.items() if option in has)
-            raise InputError(f"not for map {layout}; it is for {users}", field=option)
-    if layout not in LAYOUTS:
-        return find_map(name_or_file)
-    if size is None:
-        raise InputError(f"missing; map {layout} needs one, rows and columns", field="size")
-    makers: dict[str, Callable[..., GridMap]] = {"rooms": rooms, "rubble": rubble, "maze": maze}
-    grid = makers[layout](*size, seed=seed, **options)
-    short = n_cut_off - cells_out_of_reach(grid)
-    return with_pocket(grid, short, seed=seed) if short > 0 else grid
 
 
 def largest_region(grid: GridMap) -> Bools:

@@ -25,8 +25,9 @@ from msmrta_opt.mission.generate import (
 )
 from msmrta_opt.mission.grid import Cell, GridMap
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.mission.layouts import find_map, maze, rooms, rubble, with_pocket
+from msmrta_opt.mission.layouts import maze, rooms, rubble, with_pocket
 from msmrta_opt.mission.maps import grid_from_rows
+from msmrta_opt.mission.named_maps import find_map
 
 Distances = Callable[[GridMap, Cell], dict[Cell, int]]
 SEEDS = st.integers(0, 2**32 - 1)

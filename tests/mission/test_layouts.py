@@ -12,21 +12,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import find_objects, label
 
-from msmrta_opt.mission import layouts
+from msmrta_opt.mission import named_maps as named
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.grid import Cell, GridMap
 from msmrta_opt.mission.layouts import (
     cells_out_of_reach,
-    find_map,
     largest_region,
     maze,
-    named_maps,
     rooms,
     rubble,
     share_of,
     with_pocket,
 )
 from msmrta_opt.mission.maps import grid_from_rows, write_map
+from msmrta_opt.mission.named_maps import find_map, named_maps
 
 SEEDS = st.integers(0, 2**32 - 1)
 SHARES = st.sampled_from([0.0, 0.1, 0.25, 0.5, 1.0])
@@ -262,8 +261,8 @@ def test_an_installed_package_finds_the_maps_that_it_was_shipped_with(
     shipped = tmp_path / "msmrta_opt" / "_shipped" / "instances" / "maps"
     shipped.mkdir(parents=True)
     write_map(grid_from_rows(["..."]), shipped / "hall.map")
-    monkeypatch.setattr(layouts, "_PACKAGE", tmp_path / "msmrta_opt")
-    monkeypatch.setattr(layouts, "_CHECKOUT", tmp_path)
+    monkeypatch.setattr(named, "_PACKAGE", tmp_path / "msmrta_opt")
+    monkeypatch.setattr(named, "_CHECKOUT", tmp_path)
     assert named_maps() == {"hall": shipped / "hall.map"}
     assert find_map("hall").rows == ("...",)
 

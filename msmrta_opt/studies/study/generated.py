@@ -8,7 +8,8 @@ from pathlib import Path
 
 from ...mission.generate import generate_mission
 from ...mission.instance import Instance
-from ...mission.layouts import LAYOUTS, make_map, named_maps, share_of
+from ...mission.layouts import share_of
+from ...mission.named_maps import LAYOUTS, make_map, named_maps
 from .specification import GeneratedInstances
 
 MISSION = (

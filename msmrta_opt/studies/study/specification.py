@@ -60,7 +60,7 @@ class InstanceFiles(_Table):
 class GeneratedInstances(_Table):
     """Instances from the generator: all combinations of maps, robots, victims and seeds.
 
-    The other fields are the generator's own, see `generate_mission` and `layouts.make_map`; what is
+    The other fields are the generator's own, see `generate_mission` and `named_maps.make_map`; what is
     not given is as it has it.
     """
 

@@ -1,0 +1,90 @@
+"""Maps by name: those of `instances/maps`, files, and layouts to generate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from .errors import InputError
+from .grid import GridMap
+from .layouts import cells_out_of_reach, maze, rooms, rubble, with_pocket
+from .maps import read_map
+
+LAYOUTS = {
+    "rooms": ("size", "room", "openings"),
+    "rubble": ("size", "density"),
+    "maze": ("size", "openings"),
+}
+"""Maps to generate, and their options."""
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_CHECKOUT = _PACKAGE.parent
+
+
+def named_maps() -> dict[str, Path]:
+    """The map files that come with the package, by name: the checkout's, or a wheel's copies."""
+    home = _CHECKOUT if (_CHECKOUT / "pyproject.toml").is_file() else _PACKAGE / "_shipped"
+    return {path.stem: path for path in sorted((home / "instances" / "maps").glob("*.map"))}
+
+
+def find_map(name_or_file: str | Path) -> GridMap:
+    """The map of a name in `named_maps`, or of a file.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or the file is not a map.
+    """
+    known = named_maps()
+    if str(name_or_file) in known:
+        return read_map(known[str(name_or_file)])
+    if not Path(name_or_file).exists():
+        raise InputError(
+            f"{str(name_or_file)!r} is no file and no known map; known: {', '.join(known)}",
+            field="map",
+        )
+    return read_map(name_or_file)
+
+
+def make_map(
+    name_or_file: str | Path,
+    *,
+    seed: int,
+    n_cut_off: int = 0,
+    size: tuple[int, int] | None = None,
+    **options: float,
+) -> GridMap:
+    """The map of a layout's name, generated; or of a name in `named_maps`, or of a file.
+
+    Parameters
+    ----------
+    name_or_file : str or path
+        A layout is one of `LAYOUTS`.
+    seed : int
+        Determines a generated map.
+    n_cut_off : int
+        Free cells out of reach that a generated map has at least.
+    size : (n_rows, n_cols), optional
+        Of a generated map, in cells.
+    **options
+        Of the layout, see `LAYOUTS`.
+
+    Raises
+    ------
+    InputError
+        If there is no such map, or an option is not for it, missing, or out of range.
+    """
+    layout = str(name_or_file)
+    given = dict(options) if size is None else {"size": size, **options}
+    for option in given:
+        if option not in LAYOUTS.get(layout, ()):
+            users = " or ".join(name for name, has in LAYOUTS.items() if option in has)
+            raise InputError(f"not for map {layout}; it is for {users}", field=option)
+    if layout not in LAYOUTS:
+        return find_map(name_or_file)
+    if size is None:
+        raise InputError(f"missing; map {layout} needs one, rows and columns", field="size")
+    makers: dict[str, Callable[..., GridMap]] = {"rooms": rooms, "rubble": rubble, "maze": maze}
+    grid = makers[layout](*size, seed=seed, **options)
+    short = n_cut_off - cells_out_of_reach(grid)
+    return with_pocket(grid, short, seed=seed) if short > 0 else grid
