@@ -293,6 +293,8 @@ class _Run:
         """Open two nodes for the two sides of a decision that the relaxation leaves open."""
         sides = decision(self.data, self.needs, used)
         if not sides:
+            # The paths agree on everything: they are routes, worth what the relaxation says.
+            self.offer(self.master.routes(path for _, path in used))
             self.give_up()
             return
         self.proof = "branch and price"
