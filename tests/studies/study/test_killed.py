@@ -50,7 +50,7 @@ def test_twenty_kills_lose_nothing_that_was_finished_and_redo_nothing(tmp_path: 
         assert running.stdout is not None
         n_before = chance.choice([0, 1, 1, 3, 6])
         said = [running.stdout.readline().strip() for _ in range(n_before)]
-        time.sleep(chance.uniform(0, 1.5 if not said else 0.1))
+        time.sleep(chance.uniform(0, 0.03 if said else 1.0))
         children = psutil.Process(running.pid).children(recursive=True)
         running.send_signal(signal.SIGKILL)
         said += running.communicate()[0].split()
