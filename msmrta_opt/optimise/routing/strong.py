@@ -238,7 +238,7 @@ class _Run:
 
     def restricted(self, relaxed: Relaxed) -> None:
         """The integer program on the columns that the relaxation or the incumbent used."""
-        if self.objective == "makespan" and not self.near():
+        if not self.near():
             self.polish(0.2)
         used = self.seen | (self.columns.point(self.routes) > 0)
         upper = np.where(used, self.columns.upper, 0.0)
