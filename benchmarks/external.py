@@ -30,7 +30,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from external_routing import UNPROVEN, by_proof, by_search, one_kind, read_lower_rows, read_points
+from external_routing import UNPROVEN, by_proof, one_kind, read_lower_rows, read_points
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 
@@ -197,8 +197,8 @@ def trp_latency(folder: Path, values: dict[str, Any]) -> Iterator[Case]:
     for name, expected in values.items():
         if name != "convention":
             data = one_kind(read_points(folder / f"{name}.txt"), 1, return_to_start=False)
-            run = partial(by_search, data, "latency")
-            yield Case(name, "latency, local search", expected, run, False)
+            run = partial(by_proof, data, "latency")
+            yield Case(name, "latency, column generation", expected, run, False)
 
 
 def mtsp_minmax(folder: Path, values: dict[str, Any]) -> Iterator[Case]:

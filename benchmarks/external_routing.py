@@ -17,6 +17,7 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.files import read_text
 from msmrta_opt.optimise.routing.bound import gap
 from msmrta_opt.optimise.routing.data import Objective, Routes, RoutingData, value
+from msmrta_opt.optimise.routing.latency_search import search_latency
 from msmrta_opt.optimise.routing.local_search import improve
 from msmrta_opt.optimise.routing.strong import strong_bound
 from msmrta_opt.optimise.solvers import Options
@@ -80,15 +81,14 @@ def searched(data: RoutingData, objective: Objective) -> Routes:
     return improve(data, dealt, objective)
 
 
-def by_search(data: RoutingData, objective: Objective, *_: object) -> float:
-    """The value that local search reaches; nothing is proven."""
-    return value(data, searched(data, objective), objective)
-
-
 def by_proof(data: RoutingData, objective: Objective, _: str, options: Options) -> float | str:
-    """The value that the strong method proves within the time limit, or says that it does not."""
+    """The value that is proven within the time limit, or says that it is not."""
     limit = math.inf if options.time_limit is None else options.time_limit
-    routes, bound = strong_bound(data, objective, searched(data, objective), time_limit=limit)
+    begin = searched(data, objective)
+    if objective == "latency":
+        routes, bound = search_latency(data, begin, time_limit=limit)
+    else:
+        routes, bound = strong_bound(data, objective, begin, time_limit=limit)
     reached = value(data, routes, objective)
     proven = gap(reached, bound.value) <= PROVEN
     return reached if proven else f"{reached:.10g} above {bound.value:.10g}, {UNPROVEN}"
