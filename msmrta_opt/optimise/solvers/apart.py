@@ -83,8 +83,11 @@ def serve() -> None:
         except Exception as error:
             answer = SolverError(f"{type(error).__name__}: {error}")
         _end_with_parent(requests, busy=False)
-        pickle.dump(answer, answers)
-        answers.flush()
+        try:
+            pickle.dump(answer, answers)
+            answers.flush()
+        except BrokenPipeError:  # nobody waits for it any more
+            os._exit(0)
 
 
 def _end_with_parent(requests: IO[bytes], *, busy: bool) -> None:
