@@ -67,10 +67,11 @@ def compare(
     from ..studies.regression import changes, read_baseline, save_baseline
     from ..studies.rows import disagreements
     from .console import console
-    from .outputs import check_outputs
+    from .outputs import check_outputs, check_parquet
 
     check_outputs(csv, parquet, json, save, figure=figure)
-    _check_options(parquet, against, slower)
+    check_parquet(parquet)
+    _check_slower(against, slower)
     baseline = None if against is None else read_baseline(against)
     names = _names(models, stage)
     options = StagedOptions.of(psi=psi, beta=beta)
@@ -98,7 +99,7 @@ def compare(
             measured = _scores(missions, stage, rows, options, time_limit, memory_limit)
     except KeyboardInterrupt:
         interrupted = True
-    order = {(c.instance.name, c.model, c.solver, c.seed): i for i, c in enumerate(todo)}
+    order = {case.key: i for i, case in enumerate(todo)}
     rows.sort(key=lambda row: order[row.key])
     _show(rows, measured)
     _write(rows, csv, parquet, json)
@@ -138,14 +139,10 @@ def compare(
         raise typer.Exit(1)
 
 
-def _check_options(parquet: Path | None, against: Path | None, slower: float | None) -> None:
-    """Refuse, before any work, what could only be ignored or fail at the end."""
-    from importlib.util import find_spec
-
+def _check_slower(against: Path | None, slower: float | None) -> None:
+    """Refuse, before any work, what could only be ignored."""
     from ..mission.errors import InputError
 
-    if parquet is not None and find_spec("pyarrow") is None:
-        raise InputError("needs pyarrow; pip install 'msmrta_opt[parquet]'", field="--parquet")
     if slower is not None and (against is None or not slower > 0):
         raise InputError(
             f"{slower:g}; give a ratio above 0, together with --against", field="--slower"
@@ -291,12 +288,11 @@ def _milliseconds(value: float | None) -> str:
 def _write(rows: Sequence[Row], csv: Path | None, parquet: Path | None, json: Path | None) -> None:
     import json as json_module
 
-    from ..mission.files import write_text, write_with
+    from ..mission.files import write_text
     from ..studies.rows import as_documents, frame
+    from .outputs import write_table
 
-    if csv is not None:
-        write_with(csv, lambda path: frame(rows).to_csv(path, index=False))
-    if parquet is not None:
-        write_with(parquet, lambda path: frame(rows).to_parquet(path, index=False))
+    if csv is not None or parquet is not None:
+        write_table(frame(rows), csv, parquet)
     if json is not None:
         write_text(json, json_module.dumps(as_documents(rows), indent=1) + "\n")

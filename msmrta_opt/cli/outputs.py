@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 from collections.abc import Iterable
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..mission.errors import InputError
-from ..mission.files import read_text
+from ..mission.files import read_text, write_with
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from ..mission.instance import Instance
     from ..mission.plan import Plan, ScoutingReport
 
@@ -50,8 +52,16 @@ def check_parquet(path: Path | None) -> None:
     InputError
         If pyarrow is not installed.
     """
-    if path is not None and find_spec("pyarrow") is None:
+    if path is not None and importlib.util.find_spec("pyarrow") is None:
         raise InputError("needs pyarrow; pip install 'msmrta_opt[parquet]'", field="--parquet")
+
+
+def write_table(table: pd.DataFrame, csv: Path | None, parquet: Path | None) -> None:
+    """Write a table where it is asked for, without its index."""
+    if csv is not None:
+        write_with(csv, lambda path: table.to_csv(path, index=False))
+    if parquet is not None:
+        write_with(parquet, lambda path: table.to_parquet(path, index=False))
 
 
 def write_plan(plan: Plan, json: Path | None, figure: Path | None) -> None:

@@ -104,7 +104,7 @@ def export(
     from ..mission.files import write_with
     from ..studies.study.record import frame
     from .console import say
-    from .outputs import check_outputs, check_parquet
+    from .outputs import check_outputs, check_parquet, write_table
 
     if csv is None and parquet is None and json is None:
         raise InputError("nothing to write; give --csv, --parquet or --json", field="export")
@@ -112,10 +112,7 @@ def export(
     check_parquet(parquet)
     _, _, records = _read(study)
     table = frame(records).convert_dtypes()
-    if csv is not None:
-        write_with(csv, lambda path: table.to_csv(path, index=False))
-    if parquet is not None:
-        write_with(parquet, lambda path: table.to_parquet(path, index=False))
+    write_table(table, csv, parquet)
     if json is not None:
         write_with(json, lambda path: table.to_json(path, orient="records", indent=1))
     for path in (csv, parquet, json):

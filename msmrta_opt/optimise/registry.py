@@ -184,12 +184,7 @@ def get(name: str, *, stage: str | None = None) -> Formulation:
     ModelError
         If its file does not import.
     """
-    places = [folder / f"{name}.py" for folder in folders()]
-    path = next((place for place in places if place.is_file()), None)
-    if path is None or name.startswith("_"):
-        usable = (item.name for item in listings(stage) if item.formulation)
-        raise InputError(f"no formulation {name!r}; there are {', '.join(usable)}", field="model")
-    listing = _load(path)
+    listing = _load(path_of(name, stage=stage))
     if listing.formulation is None:
         raise ModelError(f"{listing.path}: {listing.error}")
     if stage is not None and listing.formulation.spec.stage != stage:
@@ -198,6 +193,22 @@ def get(name: str, *, stage: str | None = None) -> Formulation:
             field="model",
         )
     return listing.formulation
+
+
+def path_of(name: str, *, stage: str | None = None) -> Path:
+    """The file of the formulation called `name`, which is not read.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name; those of `stage` are named then.
+    """
+    places = [folder / f"{name}.py" for folder in folders()]
+    path = next((place for place in places if place.is_file()), None)
+    if path is None or name.startswith("_"):
+        usable = (item.name for item in listings(stage) if item.formulation)
+        raise InputError(f"no formulation {name!r}; there are {', '.join(usable)}", field="model")
+    return path
 
 
 def _import(name: str) -> ModuleType:

@@ -14,6 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,8 +29,9 @@ from ..optimise.routing.data import Objective, Routes, RoutingData, faults, valu
 from ..optimise.routing.latency import latency_bound
 from ..optimise.routing.latency_search import search_latency
 from ..optimise.routing.local_search import improve
+from ..optimise.routing.progress import Report
 from ..optimise.routing.root_proof import root_proof
-from ..optimise.routing.strong import Report, strong_bound
+from ..optimise.routing.strong import strong_bound
 from ..optimise.solve import solve
 from ..stages.joint_routing import routing_data
 from ..stages.options import StagedOptions
@@ -170,19 +172,12 @@ def _solve(
         routes = improve(
             data, routes, objective, seconds=seconds, seed=seed, should_stop=interrupted
         )
-    if objective == "latency":
-        return search_latency(
-            data,
-            routes,
-            time_limit=left(),
-            gap=gap,
-            seed=seed,
-            report=report,
-            should_stop=interrupted,
-        )
-    return strong_bound(
-        data,
-        objective,
+    search = (
+        partial(search_latency, data)
+        if objective == "latency"
+        else partial(strong_bound, data, objective)
+    )
+    return search(
         routes,
         time_limit=left(),
         gap=gap,

@@ -45,7 +45,7 @@ class _State:
     columns: Columns
     used: Ints
     variables: list[Any]
-    improved: Callable[[Routes], None]
+    improved: Callable[[Routes], object]
     ask: Callable[[Model], bool]
     found: float
     """Value of the best answer known."""
@@ -157,7 +157,7 @@ def branch_and_cut(
     best: float,
     time_limit: float,
     seed: int = 0,
-    improved: Callable[[Routes], None] = lambda routes: None,
+    improved: Callable[[Routes], object] = lambda routes: None,
     go_on: Callable[[float], bool] = lambda bound: True,
     more: Sequence[Row] = (),
     verbose: bool = False,

@@ -54,10 +54,27 @@ def granularity(data: RoutingData, objective: Objective) -> Grain:
         exact = Fraction(float(time)).limit_denominator(_LARGEST_DENOMINATOR)
         if abs(float(exact) - time) > _EXACT:
             return Grain(offset, 0.0)
-        divisor = Fraction(
-            math.gcd(divisor.numerator * exact.denominator, exact.numerator * divisor.denominator),
-            divisor.denominator * exact.denominator,
-        )
+        divisor = _common(divisor, exact)
         if divisor and divisor < Fraction(1, _LARGEST_DENOMINATOR):
             return Grain(offset, 0.0)
     return Grain(offset, float(divisor))
+
+
+def latency_grain(data: RoutingData) -> Grain:
+    """Which values latency can take: multiples of the times' divisor times the priorities'."""
+    step = granularity(data, "latency").step
+    divisor = Fraction(0)
+    for priority in set(data.priority.tolist()):
+        exact = Fraction(priority).limit_denominator(_LARGEST_DENOMINATOR)
+        if float(exact) != priority:
+            return Grain(0.0, 0.0)
+        divisor = _common(divisor, exact)
+    return Grain(0.0, step * float(divisor))
+
+
+def _common(a: Fraction, b: Fraction) -> Fraction:
+    """The greatest common divisor of two fractions."""
+    return Fraction(
+        math.gcd(a.numerator * b.denominator, b.numerator * a.denominator),
+        a.denominator * b.denominator,
+    )

@@ -31,6 +31,7 @@ from ...mission.errors import InputError
 from ..formulation import Floats
 from .bound import Bound, Proof
 from .data import Routes, RoutingData, faults
+from .grain import latency_grain
 from .latency import latency_bound
 from .latency_branching import decision
 from .latency_generation import Generation
@@ -38,9 +39,9 @@ from .latency_master import Master, Path
 from .latency_needs import Needs
 from .latency_network import Network
 from .latency_prices import Prices
-from .latency_progress import ROUNDING, Progress, Report
 from .latency_routes import all_paths
 from .local_search import improve
+from .progress import ROUNDING, Progress, Report
 
 REMEMBERED = 4
 """Victims in a neighbourhood to begin with, itself included."""
@@ -58,6 +59,8 @@ ENOUGH = 0.03
 """Share of what is still missing that breakpoints must bring for another round."""
 DEAR, DEAREST = 3.0, 4.0
 """The price of leaving a need unserved: at first, in mean completion times; at last, in latencies."""
+LEEWAY = 0.1 * ROUNDING
+"""Share by which bounds are lowered, for the sums of floats that they are."""
 LONGEST_POLISH = 20.0
 """Seconds of local search at a time."""
 
@@ -101,7 +104,15 @@ def search_latency(
     if wrong := faults(data, incumbent):
         raise InputError(f"not feasible: {wrong[0]}", field="incumbent")
     progress = Progress(
-        data, incumbent, time_limit=time_limit, gap=gap, report=report, should_stop=should_stop
+        data,
+        "latency",
+        incumbent,
+        latency_grain(data),
+        leeway=LEEWAY,
+        time_limit=time_limit,
+        gap=gap,
+        report=report,
+        should_stop=should_stop,
     )
     progress.raise_bound(latency_bound(data), "combinatorial")
     if not progress.done():

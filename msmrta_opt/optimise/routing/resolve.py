@@ -34,7 +34,7 @@ def resolve(
     best: float,
     time_limit: float,
     seed: int = 0,
-    improved: Callable[[Routes], None] = lambda routes: None,
+    improved: Callable[[Routes], object] = lambda routes: None,
     go_on: Callable[[float], bool] = lambda bound: True,
     more: Sequence[Row] = (),
 ) -> Tree:

@@ -13,33 +13,29 @@ from __future__ import annotations
 
 import importlib.util
 import math
-import time
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
 
-from ...mission.errors import InputError, SolverError
+from ...mission.errors import InputError
 from ..formulation import Floats
-from .bound import Bound, Proof, gap
+from .bound import Bound
 from .columns import Columns
 from .cuts import Cut
-from .data import Objective, Routes, RoutingData, faults, value
+from .data import Objective, Routes, RoutingData, faults
 from .fixing import fixed
-from .grain import Grain, granularity
+from .grain import granularity
 from .local_search import improve
 from .narrow import Row, in_order, own_visits
+from .progress import Progress, Report
 from .relaxation import Relaxation, Relaxed
 from .tree import Tree
-
-Report = Callable[[Routes, float, float, str], None]
-"""Called with routes, their value, the bound, and what has just happened."""
 
 NEAR = 0.005
 """Gap up to which trees are left to themselves."""
 LONGEST_POLISH = 30.0
 """Seconds of local search at a time."""
-_ROUNDING = 1e-6
 
 
 class _Search(Protocol):
@@ -53,7 +49,7 @@ class _Search(Protocol):
         best: float,
         time_limit: float,
         seed: int,
-        improved: Callable[[Routes], None],
+        improved: Callable[[Routes], object],
         go_on: Callable[[float], bool],
         more: Sequence[Row],
     ) -> Tree: ...
@@ -150,8 +146,8 @@ def search_tree() -> _Search:
     return resolve
 
 
-class _Run:
-    """The state of one run: incumbent, bound and clock."""
+class _Run(Progress):
+    """The state of one run."""
 
     def __init__(
         self,
@@ -164,64 +160,22 @@ class _Run:
         report: Report | None,
         should_stop: Callable[[], bool] | None,
     ) -> None:
-        self.data, self.objective, self.seed, self.gap = data, objective, seed, gap
-        self.began = time.monotonic()
-        self.until = self.began + time_limit
-        self.report, self.should_stop = report, should_stop or (lambda: False)
-        self.grain: Grain = granularity(data, objective)
-        self.routes = incumbent
-        self.value = value(data, incumbent, objective)
-        self.bound = -math.inf
-        self.proof: Proof = "combinatorial"
+        super().__init__(
+            data,
+            objective,
+            incumbent,
+            granularity(data, objective),
+            time_limit=time_limit,
+            gap=gap,
+            report=report,
+            should_stop=should_stop,
+        )
+        self.seed = seed
         self.columns = Columns.of(data, objective, self.value)
         self.relaxed: Relaxed | None = None
         self.polished = 0
         self.seen = np.zeros(self.columns.n_columns, dtype=bool)
         self.raise_bound(combinatorial_bound(data, objective), "combinatorial")
-
-    def left(self) -> float:
-        """Seconds left."""
-        return self.until - time.monotonic()
-
-    def done(self) -> bool:
-        """Whether to stop: time, gap, or because someone asked."""
-        return self.closed() or self.left() <= 0 or self.should_stop()
-
-    def closed(self) -> bool:
-        """Whether the gap is small enough."""
-        return gap(self.value, self.bound) <= max(self.gap, _ROUNDING)
-
-    def raise_bound(self, bound: float, proof: Proof) -> None:
-        """A new bound, rounded up to a possible value."""
-        bound = self.grain.up(bound)
-        slack = _ROUNDING * max(1.0, abs(self.value))
-        if bound > self.value + slack:
-            raise SolverError(
-                f"internal error: bound {bound!r} ({proof}) above the feasible {self.value!r}"
-            )
-        bound = min(bound, self.value)
-        if bound > self.bound + _ROUNDING:
-            self.bound, self.proof = bound, proof
-            self.tell(proof)
-
-    def offer(self, routes: Routes) -> None:
-        """Routes that may be better than the incumbent."""
-        if faults(self.data, routes):
-            return
-        worth = value(self.data, routes, self.objective)
-        if worth < self.value - _ROUNDING:
-            if worth < self.bound - _ROUNDING * max(1.0, abs(worth)):
-                raise SolverError(
-                    f"internal error: routes worth {worth!r} below the bound {self.bound!r}"
-                )
-            self.routes, self.value = routes, worth
-            self.bound = min(self.bound, worth)
-            self.tell("better routes")
-
-    def tell(self, what: str) -> None:
-        """Report the state."""
-        if self.report is not None:
-            self.report(self.routes, self.value, self.bound, what)
 
     def relax(self) -> Relaxed:
         """The root bound."""
@@ -248,14 +202,13 @@ class _Run:
 
     def near(self) -> bool:
         """Whether so little is open that local search is of no more use than a tree."""
-        return gap(self.value, self.bound) <= NEAR
+        return self.open() <= NEAR
 
     def polish(self, share: float) -> None:
         """Local search on the incumbent, for a share of the time left."""
         self.polished += 1
         # On small missions trees take less time than any local search worth the name.
-        spent = time.monotonic() - self.began
-        seconds = min(share * self.left(), 2 * spent, LONGEST_POLISH)
+        seconds = min(share * self.left(), 2 * self.spent(), LONGEST_POLISH)
         self.offer(
             improve(
                 self.data,

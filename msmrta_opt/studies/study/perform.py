@@ -13,6 +13,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
+from ...mission.check_bound import STAGE as STAGE_OF_BOUNDS
 from ...mission.errors import InputError
 from ...mission.instance import Instance
 from ...mission.plan import Plan
@@ -28,11 +29,8 @@ MEASURES = (
     *("n_requirements", "n_available", "n_served", "served_share", "victims_fully_served"),
     *("distance", "total_time", "makespan", "latency", "mean_completion", "weighted_completion"),
 )
-
-
 CERTIFIED = ("status", "objective", "bound", "gap", "proof", "n_variables", "n_rows")
 SOLVED = (*CERTIFIED, "check", "nodes")
-JOINT = "joint problem"
 
 
 def perform(run: Run) -> Record:
@@ -136,7 +134,7 @@ def _plan(instance: Instance, task: Planning) -> dict[str, Any]:
 
 def _certified(made: Plan) -> dict[str, Any]:
     """The certificate of a plan that has one as a whole, as the exact planner's does."""
-    whole = [item for item in made.certificates if item.stage == JOINT]
+    whole = [item for item in made.certificates if item.stage == STAGE_OF_BOUNDS]
     return {name: getattr(whole[-1], name) for name in CERTIFIED} if whole else {}
 
 

@@ -7,10 +7,9 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import product
-from pathlib import Path
 from typing import Any
 
-from ...mission.errors import InputError
+from ...mission.errors import InputError, ModelError
 from ...mission.instance import Instance
 from ...optimise import registry, solvers
 from ...optimise.solve import AUTO
@@ -209,8 +208,10 @@ def _cases(
 
 def _parameters(model: str) -> Iterable[str]:
     """The parameters of a formulation; none of a file that does not load, which its runs tell."""
-    loaded = {item.name: item.formulation for item in registry.listings()}.get(model)
-    return loaded.spec.parameters if loaded else ()
+    try:
+        return registry.get(model).spec.parameters
+    except ModelError:
+        return ()
 
 
 def _combinations(
@@ -261,12 +262,7 @@ def _models_of(planner: str, options: Mapping[str, Any]) -> dict[str, str]:
 
 def _sources(names: Iterable[str]) -> dict[str, str]:
     """Formulations' names with the digests of their files: an edited one is another."""
-    places = {item.name: item.path for item in reversed([*registry.listings()])}
-    found = {}
-    for name in names:
-        path: Path = places[name] if name in places else registry.get(name).path
-        found[name] = hashlib.sha256(path.read_bytes()).hexdigest()
-    return found
+    return {name: hashlib.sha256(registry.path_of(name).read_bytes()).hexdigest() for name in names}
 
 
 def _versions_with(solver: str) -> dict[str, str]:

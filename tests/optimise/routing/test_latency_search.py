@@ -13,7 +13,7 @@ from support.joint_oracle import least
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.optimise.routing.bound import Bound
 from msmrta_opt.optimise.routing.data import Routes, RoutingData, faults, times, value
-from msmrta_opt.optimise.routing.latency_progress import latency_grain
+from msmrta_opt.optimise.routing.grain import latency_grain
 from msmrta_opt.optimise.routing.latency_search import search_latency
 
 LONG = 60.0

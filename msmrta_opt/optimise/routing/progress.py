@@ -1,44 +1,49 @@
-"""Incumbent, bound and clock of a search for the least latency."""
+"""Incumbent, bound and clock of a search: what both exact methods keep."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Callable
-from fractions import Fraction
 
 from ...mission.errors import SolverError
 from .bound import Proof, gap
-from .data import Routes, RoutingData, faults, value
-from .grain import Grain, granularity
+from .data import Objective, Routes, RoutingData, faults, value
+from .grain import Grain
 
 Report = Callable[[Routes, float, float, str], None]
 """Called with routes, their value, the bound, and what has just happened."""
 
 ROUNDING = 1e-6
-"""Relative difference up to which values are the same; bounds are lowered by a tenth of it."""
-_LARGEST_DENOMINATOR = 10_000
+"""Relative difference up to which values are the same."""
 
 
 class Progress:
-    """What is known so far; it only gets better."""
+    """What is known so far; it only gets better.
+
+    Bounds are rounded up to values of `grain`, after being lowered by the share `leeway` for sums of
+    floats.
+    """
 
     def __init__(
         self,
         data: RoutingData,
+        objective: Objective,
         incumbent: Routes,
+        grain: Grain,
         *,
+        leeway: float = 0.0,
         time_limit: float,
         gap: float,
         report: Report | None,
         should_stop: Callable[[], bool] | None,
     ) -> None:
-        self.data, self.gap = data, gap
+        self.data, self.objective, self.gap = data, objective, gap
         self.began = time.monotonic()
         self.until = self.began + time_limit
         self.report, self.should_stop = report, should_stop or (lambda: False)
-        self.grain = latency_grain(data)
-        self.routes, self.value = incumbent, value(data, incumbent, "latency")
+        self.grain, self.leeway = grain, leeway
+        self.routes, self.value = incumbent, value(data, incumbent, objective)
         self.bound = -math.inf
         self.proof: Proof = "combinatorial"
 
@@ -87,14 +92,14 @@ class Progress:
         return self.possible(bound) > self.better() + ROUNDING
 
     def possible(self, bound: float) -> float:
-        """The least possible value from `bound` on, with leeway for sums of floats."""
-        return self.grain.up(bound * (1.0 - 0.1 * ROUNDING))
+        """The least possible value from `bound` on, with the leeway."""
+        return self.grain.up(bound * (1.0 - self.leeway))
 
     def offer(self, routes: Routes) -> bool:
         """Routes that may be better than the incumbent; whether they are."""
         if faults(self.data, routes):
             return False
-        worth = value(self.data, routes, "latency")
+        worth = value(self.data, routes, self.objective)
         if worth >= self.value - ROUNDING:
             return False
         if worth < self.bound - ROUNDING * max(1.0, abs(worth)):
@@ -110,18 +115,3 @@ class Progress:
         """Report the state."""
         if self.report is not None:
             self.report(self.routes, self.value, self.bound, what)
-
-
-def latency_grain(data: RoutingData) -> Grain:
-    """Which values latency can take: multiples of the times' divisor times the priorities'."""
-    step = granularity(data, "latency").step
-    divisor = Fraction(0)
-    for priority in set(data.priority.tolist()):
-        exact = Fraction(priority).limit_denominator(_LARGEST_DENOMINATOR)
-        if float(exact) != priority:
-            return Grain(0.0, 0.0)
-        divisor = Fraction(
-            math.gcd(divisor.numerator * exact.denominator, exact.numerator * divisor.denominator),
-            divisor.denominator * exact.denominator,
-        )
-    return Grain(0.0, step * float(divisor))
