@@ -113,12 +113,17 @@ def _check_bound(
 def _root(found: Recheck) -> list[str]:
     if found.proved is None:
         return []
-    root, objective = found.certificate.root, found.certificate.model
-    if root is None:
-        return [f"a {objective} of {float(found.proved):.9g} follows from each requirement alone"]
+    certificate = found.certificate
+    proved, objective = f"{float(found.proved):.9g}", certificate.model
+    if certificate.root is not None:
+        who, how = certificate.root.solver, f"{certificate.root.n_cuts} cuts"
+    elif certificate.pricing is not None:
+        who, how = certificate.pricing.solver, f"rounds: {len(certificate.pricing.rounds)}"
+    else:
+        return [f"a {objective} of {proved} follows from the requirements alone"]
     return [
-        f"root bound {float(found.proved):.9g} on the {objective} proved again, in exact numbers "
-        f"from the prices of {root.solver} ({root.n_cuts} cuts)"
+        f"root bound {proved} on the {objective} proved again, in exact numbers from the prices of "
+        f"{who} ({how})"
     ]
 
 
@@ -156,9 +161,9 @@ def _claim(found: Recheck) -> list[str]:
     claim = f"the certificate claims {certificate.bound:.9g} by {certificate.proof}"
     if found.whole:
         return [f"{claim}: all of it is proved again"]
-    if found.proved is None:
-        return [f"{claim}: what proves it is not stored, so it is not re-checked"]
-    return [f"{claim}: what is beyond the root was proved by branch and cut, and is not re-checked"]
+    return [
+        f"{claim}: what is beyond the root was proved by {certificate.proof}, and is not re-checked"
+    ]
 
 
 def _explicitly(

@@ -1,7 +1,9 @@
 """The independent check of a plan's bound on the joint problem.
 
-The root relaxation is proved again, exactly and without a solver (`duality`), from the instance and
-the stored prices. What branch and cut added to it is not stored, so it is named and not re-checked.
+What was proved before branching is proved again, exactly and without a solver, from the instance and
+the stored prices: by linear duality for total time and makespan (`duality`), by the cheapest routes at
+these prices for latency (`pricing`). What branching added is not stored, so it is named and not
+re-checked.
 """
 
 from __future__ import annotations
@@ -13,12 +15,15 @@ from .duality import Relaxation, relaxation
 from .errors import CheckError, InputError
 from .joint import Joint, exact, service_times
 from .plan import Certificate, Plan
+from .pricing import proved as priced
+from .proof import RootProof
+from .queues import in_queues
 
 STAGE = "joint problem"
 """The stage that certificates of bounds on whole plans name."""
 TOLERANCE = 1e-6
 """Relative difference up to which two values are the same."""
-SMALL_PROOFS = ("combinatorial", "root LP")
+SMALL_PROOFS = ("combinatorial", "root LP", "column generation")
 """Proofs that need no branching, so that they can be checked whole."""
 
 
@@ -32,7 +37,7 @@ class Recheck:
     proved: Fraction | None
     """What was proved again, rounded up to a possible value; ``None`` if nothing is stored."""
     relaxation: Relaxation | None = field(default=None, repr=False)
-    """The root relaxation, written out again."""
+    """The root relaxation, written out again; latency has none."""
     problems: tuple[str, ...] = ()
     """What is wrong, one line each."""
 
@@ -61,7 +66,7 @@ def joint_certificate(plan: Plan) -> Certificate:
 
 
 def recheck(plan: Plan) -> Recheck:
-    """Prove the bound of `plan` again, as far as its root relaxation goes.
+    """Prove the bound of `plan` again, as far as it was proved before branching.
 
     Parameters
     ----------
@@ -76,24 +81,28 @@ def recheck(plan: Plan) -> Recheck:
     certificate = joint_certificate(plan)
     value = worth(plan, certificate.model)
     problems = _contradictions(certificate, value)
-    if certificate.model not in ("total_time", "makespan"):
-        return Recheck(certificate, value, None, problems=tuple(problems))
     joint = Joint.of(plan)
     proved = joint.at_once(certificate.model)
-    root, written = certificate.root, None
-    if root is not None:
+    if certificate.model == "latency":
+        proved = max(proved, in_queues(joint))
+    stored, written = certificate.root or certificate.pricing, None
+    if stored is not None:
         try:
-            if root.objective != certificate.model:
-                raise CheckError(f"the root relaxation is of {root.objective}")
-            written = relaxation(joint, root, value)
-            proved = max(proved, written.bound())
+            kind = stored.objective if isinstance(stored, RootProof) else "latency"
+            if kind != certificate.model:
+                raise CheckError(f"the root bound is on the {kind}")
+            if isinstance(stored, RootProof):
+                written = relaxation(joint, stored, value)
+                proved = max(proved, written.bound())
+            else:
+                proved = max(proved, priced(joint, stored, value))
         except CheckError as error:
-            problems.append(str(error))
-    elif certificate.proof not in SMALL_PROOFS[:1]:
-        problems.append(f"no root relaxation is stored for a bound by {certificate.proof}")
+            return Recheck(certificate, value, None, problems=(*problems, str(error)))
+    elif certificate.proof != "combinatorial":
+        problems.append(f"nothing is stored that proves a bound by {certificate.proof}")
     proved = joint.up(proved, certificate.model)
-    if root is not None and written is not None:
-        problems += _unproved("root", root.bound, proved)
+    if stored is not None:
+        problems += _unproved("root", stored.bound, proved)
     if certificate.proof in SMALL_PROOFS and certificate.bound is not None and not problems:
         problems += _unproved("certificate's", certificate.bound, proved)
     return Recheck(certificate, value, proved, written, tuple(problems))
@@ -106,16 +115,22 @@ def _unproved(whose: str, bound: float, proved: Fraction) -> list[str]:
 
 
 def worth(plan: Plan, objective: str) -> Fraction:
-    """What `plan` is worth by `objective`, exactly (but for latency)."""
-    if objective == "latency":
-        return Fraction(plan.metrics.latency)
-    speed = {robot.id: exact(robot.speed) for robot in plan.instance.robots}
+    """What `plan` is worth by `objective`, exactly."""
     service = service_times(plan.instance)
-    busy = [
-        route.distance / speed[route.robot]
-        + sum(service[visit.victim, kind] for visit in route.visits for kind in visit.served)
-        for route in plan.routes
-    ]
+    speed = {robot.id: exact(robot.speed) for robot in plan.instance.robots}
+    busy: list[Fraction] = []
+    complete: dict[int, Fraction] = {}
+    for route in plan.routes:
+        clock = Fraction(0)
+        for visit in route.visits:
+            clock += max(len(visit.cells) - 1, 0) / speed[route.robot]
+            clock += sum(service[visit.victim, kind] for kind in visit.served)
+            if visit.served:
+                complete[visit.victim] = max(complete.get(visit.victim, clock), clock)
+        busy.append(clock + max(len(route.back) - 1, 0) / speed[route.robot])
+    if objective == "latency":
+        weight = {victim.id: exact(victim.priority) for victim in plan.instance.victims}
+        return sum((weight[v] * time for v, time in complete.items()), Fraction(0))
     return sum(busy, Fraction(0)) if objective == "total_time" else max(busy, default=Fraction(0))
 
 

@@ -94,6 +94,8 @@ class Joint:
     """Whether robots walk back to their starts."""
     service: dict[tuple[int, str], Fraction]
     """Service time of each requirement that is here."""
+    priority: dict[int, Fraction]
+    """What a unit of time until a victim is complete costs."""
     endurance: Fraction | None
     """Longest time that a robot may be busy."""
     walk: dict[int, Fraction]
@@ -122,6 +124,7 @@ class Joint:
             between=between,
             returns=bool(plan.limits.get("return_to_start")),
             service={(v, k): times[v, k] for _, v, k in ways},
+            priority={v.id: exact(v.priority) for v in known.victims if v.id in steps},
             endurance=None if endurance is None else exact(endurance),
             walk={} if most is None else {r: exact(most) / speed[r] for r in speed},
         )
@@ -144,17 +147,51 @@ class Joint:
         """What every answer costs: all service, for total time."""
         return self.total_service if objective == "total_time" else Fraction(0)
 
-    def up(self, bound: Fraction, objective: str) -> Fraction:
-        """The least value from `bound` on that `objective` can take."""
+    def travel(self, robot: int, victim: int, other: int) -> Fraction:
+        """Travel of a robot between two victims that it can serve."""
+        return self.between[robot, min(victim, other), max(victim, other)]
+
+    @cached_property
+    def kinds_of(self) -> dict[tuple[int, int], tuple[str, ...]]:
+        """What each robot can serve at each victim, in order."""
+        kinds: dict[tuple[int, int], tuple[str, ...]] = {}
+        for r, v, k in sorted(self.able):
+            kinds[r, v] = (*kinds.get((r, v), ()), k)
+        return kinds
+
+    @cached_property
+    def soonest(self) -> dict[tuple[int, str], Fraction]:
+        """When each requirement can be done, by whoever is the first at it."""
+        soonest: dict[tuple[int, str], Fraction] = {}
+        for r, v, k in self.able:
+            done = self.leave[r, v] + self.service[v, k]
+            soonest[v, k] = min(soonest.get((v, k), done), done)
+        return soonest
+
+    def grain(self, objective: str) -> Fraction:
+        """What answers' values differ by: multiples of this; 0 if they do not differ."""
         times: Iterable[Fraction] = [*self.leave.values(), *self.between.values()]
         if objective != "total_time":
             times = [*times, *self.service.values()]
         step = greatest_common_divisor(times)
-        offset = self.offset(objective)
+        return (
+            step * greatest_common_divisor(self.priority.values())
+            if objective == "latency"
+            else step
+        )
+
+    def up(self, bound: Fraction, objective: str) -> Fraction:
+        """The least value from `bound` on that `objective` can take."""
+        step, offset = self.grain(objective), self.offset(objective)
         return offset + step * math.ceil((bound - offset) / step) if step else max(bound, offset)
 
     def at_once(self, objective: str) -> Fraction:
         """A bound without any prices: each requirement alone, by whoever is soonest done with it."""
+        if objective == "latency":
+            last: dict[int, Fraction] = {}
+            for (v, _), done in self.soonest.items():
+                last[v] = max(last.get(v, done), done)
+            return sum((self.priority[v] * done for v, done in last.items()), Fraction(0))
         soonest: dict[tuple[int, str], Fraction] = {}
         for r, v, k in self.able:
             way = self.leave[r, v] + self.back(r, v)

@@ -19,7 +19,7 @@ from .files import read_text, write_text
 from .grid import Cell
 from .instance import CellField, Instance
 from .metrics import Metrics, metrics
-from .proof import RootProof
+from .proof import LatencyProof, RootProof
 from .validation import first_problem
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ class Certificate(_Record):
 
     ``bound`` and ``objective`` are in the model's own sense, ``gap`` is relative; ``proof`` says
     how the bound was obtained, ``check`` is the verdict of the independent check. ``root`` holds
-    what proves the bound before branching, where the planner keeps it.
+    what proves the bound before branching, where the planner keeps it; for latency ``pricing`` does.
     """
 
     stage: str
@@ -165,6 +165,7 @@ class Certificate(_Record):
     n_variables: NonNegativeInt
     n_rows: NonNegativeInt
     root: RootProof | None = None
+    pricing: LatencyProof | None = None
 
 
 class Plan(_Record):

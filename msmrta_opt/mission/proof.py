@@ -23,6 +23,10 @@ between victims, in either direction, a for who serves what, and T for the makes
 where e(S) are the edges with both ends in S. The ``a`` and their rows are there only where loads
 count: for the makespan, or under an endurance. Prices are of a minimisation: those of ≤ rows are at
 most 0, those of ≥ rows at least 0.
+
+Latency has prices of another kind (`pricing`): a reward for serving a need, charges for when it is
+done, and robots' routes that are cheapest at these. A need is what one robot will serve in one visit:
+those requirements of a victim that only one and the same robot can serve, or else one requirement.
 """
 
 from __future__ import annotations
@@ -32,6 +36,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt
 
 Price = Annotated[float, Field(allow_inf_nan=False)]
+Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class _Record(BaseModel):
@@ -111,3 +116,58 @@ class RootProof(_Record):
     def n_cuts(self) -> int:
         """Number of cuts with a price."""
         return len(self.subtour) + len(self.outside) + len(self.first) + len(self.last)
+
+
+class NeedPrices(_Record):
+    """Reward of a need, and what each unit of time until it is done is charged, step by step."""
+
+    victim: NonNegativeInt
+    kinds: tuple[str, ...]
+    reward: Price
+    charges: tuple[Time, ...]
+
+
+class VictimSteps(_Record):
+    """Where the steps of a victim's charges begin, after the first, which begins at 0."""
+
+    victim: NonNegativeInt
+    begin: tuple[Time, ...]
+
+
+class Neighbourhood(_Record):
+    """The victims that a robot remembers having visited for as long as it is at this one."""
+
+    robot: NonNegativeInt
+    victim: NonNegativeInt
+    remembers: tuple[NonNegativeInt, ...]
+
+
+class PriceRound(_Record):
+    """Prices, and the routes that they are for.
+
+    Victims that are not among `steps` have one step; neighbourhoods hold their own victim unsaid.
+    """
+
+    needs: tuple[NeedPrices, ...]
+    steps: tuple[VictimSteps, ...] = ()
+    neighbourhoods: tuple[Neighbourhood, ...] = ()
+
+
+class RobotStep(_Record):
+    """The steps of time that a robot's legs and services are rounded down to."""
+
+    robot: NonNegativeInt
+    length: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class LatencyProof(_Record):
+    """The prices that prove a bound on latency without any branching, round by round.
+
+    Each round rules out what no better plan than the one at hand does, for those after it. ``bound``
+    is what they prove together, rounded up to a value that latency can take.
+    """
+
+    bound: Price
+    solver: str
+    clocks: tuple[RobotStep, ...]
+    rounds: Annotated[tuple[PriceRound, ...], Field(min_length=1)]

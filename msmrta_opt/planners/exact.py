@@ -27,6 +27,7 @@ from ..optimise.routing.bound import Bound
 from ..optimise.routing.bound import gap as relative_gap
 from ..optimise.routing.data import Objective, Routes, RoutingData, faults, value
 from ..optimise.routing.latency import latency_bound
+from ..optimise.routing.latency_proof import latency_proof
 from ..optimise.routing.latency_search import search_latency
 from ..optimise.routing.local_search import improve
 from ..optimise.routing.progress import Report
@@ -276,6 +277,7 @@ def _certificate(
         n_variables=0 if program is None else program.n_columns,
         n_rows=0 if program is None else program.n_rows,
         root=root_proof(known, bound, worth),
+        pricing=None if bound.latency is None else latency_proof(known, data, bound.latency, worth),
     )
 
 

@@ -148,7 +148,7 @@ def test_a_claim_that_the_explicit_model_contradicts_is_refused(
         ({"bound": 10.0}, "the bound 10 is above what the plan is worth, 9"),
         ({"root": PRICES | {"bound": 9.5}}, "the root bound is 9.5, but only 9 is proved"),
         ({"root": PRICES | {"served": []}}, "the root bound is 9, but only 7 is proved"),
-        ({"root": None}, "no root relaxation is stored"),
+        ({"root": None}, "nothing is stored that proves a bound by root LP"),
         (
             {"root": PRICES | {"first": [{"robot": 0, "victims": [1, 1], "price": -1}]}},
             "cut first[0] holds a victim twice",
@@ -189,6 +189,7 @@ def test_a_forgery_gets_one_line_and_status_1(
         ({"root": PRICES | {"rows": []}}, "certificates[0].root.rows: "),
         ({"root": PRICES | {"leaves": [{"robot": 0}]}}, "root.leaves[0].price: is missing"),
         ({"root": PRICES | {"objective": "latency"}}, "root.objective: 'latency'; give"),
+        ({"pricing": {"bound": 9, "solver": "me"}}, "pricing.clocks: is missing; give it"),
     ],
 )
 def test_a_proof_that_is_none_gets_one_line_and_status_2(
@@ -237,20 +238,60 @@ def test_a_plan_that_does_not_hold_has_no_bound_to_speak_of(
     assert told.err == f"{file}: robot 0 is busy for 9, beyond its 8\n"
 
 
-@pytest.mark.parametrize("limit", [[], ["--time-limit", "60"]])
-def test_a_bound_on_latency_is_not_stored_but_can_be_proved_by_the_model(
-    limit: list[str], msmrta: Run, corridor_file: Path, tmp_path: Path, capsys: Capture
+def latency(corridor_file: Path, folder: Path, **certificate: object) -> Path:
+    """The corridor's plan of least latency, 12; prices prove it, as tests/mission has by hand."""
+    prices = [
+        {"victim": victim, "kinds": ["FirstAids"], "reward": reward, "charges": [1]}
+        for victim, reward in ((0, 7), (1, 9))
+    ]
+    pricing = {
+        "bound": 12,
+        "solver": "highs by hand",
+        "clocks": [{"robot": 0, "length": 1}],
+        "rounds": [{"needs": prices}],
+    }
+    made: Plan = make_plan(Instance.read(corridor_file), planner="exact", objective="latency")
+    changes = {"pricing": pricing, "proof": "column generation"} | certificate
+    return written(made.document(), folder, **changes)
+
+
+def test_a_bound_on_latency_is_proved_again_from_its_prices(
+    msmrta: Run, corridor_file: Path, tmp_path: Path, capsys: Capture
 ) -> None:
-    file = tmp_path / "plan.json"
-    mission = Instance.read(corridor_file)
-    made: Plan = make_plan(mission, planner="exact", objective="latency", time_limit=0.1)
-    made.save(file)
-    assert msmrta("check", file, "--bound", *limit) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert lines[1].endswith("what proves it is not stored, so it is not re-checked")
-    assert len(lines) == (3 if limit else 2)
-    if limit:
-        assert "on joint_routing_mtz proves 12: all of the claim is proved again" in lines[2]
+    file = latency(corridor_file, tmp_path)
+    assert msmrta("check", file, "--bound") == 0
+    assert capsys.readouterr().out.splitlines()[1:] == [
+        f"{file}: root bound 12 on the latency proved again, in exact numbers from the prices of "
+        "highs by hand (rounds: 1)",
+        f"{file}: the certificate claims 12 by column generation: all of it is proved again",
+    ]
+
+
+def test_a_bound_on_latency_that_its_prices_do_not_prove_is_refused(
+    msmrta: Run, corridor_file: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    file = latency(corridor_file, tmp_path)
+    document = json.loads(file.read_text())
+    document["certificates"][0]["pricing"]["rounds"][0]["needs"][1]["reward"] = 2
+    file.write_text(json.dumps(document))
+    assert msmrta("check", file, "--bound") == 1
+    assert "bound is 12, but only " in capsys.readouterr().err
+
+
+def test_what_branching_proved_of_latency_can_be_proved_by_the_model(
+    msmrta: Run, corridor_file: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    nothing = {
+        "bound": 8,
+        "solver": "highs by hand",
+        "clocks": [{"robot": 0, "length": 2}],
+        "rounds": [{"needs": []}],
+    }
+    file = latency(corridor_file, tmp_path, pricing=nothing, proof="branch and price")
+    assert msmrta("check", file, "--bound", "--time-limit", "60") == 0
+    claim, model = capsys.readouterr().out.splitlines()[2:]
+    assert claim.endswith("was proved by branch and price, and is not re-checked")
+    assert "on joint_routing_mtz proves 12: all of the claim is proved again" in model
 
 
 @pytest.mark.parametrize(

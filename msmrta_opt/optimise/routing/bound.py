@@ -11,6 +11,7 @@ from ..formulation import Floats
 from ..program import Program
 from .columns import Columns
 from .cuts import Cut
+from .latency_prices import LatencyRoot
 
 Proof = Literal[
     "combinatorial",
@@ -42,6 +43,8 @@ class Bound:
     """Its cuts."""
     prices: Floats | None = None
     """Duals of its first rows, then of `cuts`, ``(n_rows,)``."""
+    latency: LatencyRoot | None = None
+    """In place of these, for latency: what proves its bound before branching."""
 
     @cached_property
     def program(self) -> Program | None:

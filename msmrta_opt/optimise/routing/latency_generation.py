@@ -22,7 +22,7 @@ import numpy as np
 from ..formulation import Floats
 from .latency_master import Master, Path
 from .latency_network import MOST_REMEMBERED, Network
-from .latency_prices import Prices
+from .latency_prices import Prices, Round
 
 SMOOTHING = 0.6
 """How far prices stay with the best so far."""
@@ -94,6 +94,11 @@ class Generation:
                 self.master.raise_price(RAISE)
             elif n_new == 0:
                 smoothing = max(smoothing - SMOOTHING / 2, 0.0)
+
+    def round(self) -> Round:
+        """What proves `proven`."""
+        neighbours = {n.robot: (n.victims, n.neighbours) for n in self.networks}
+        return Round(self.prices, neighbours)
 
     def _price(self, prices: Prices, watch: Watch) -> int:
         """The bound that `prices` prove, and the paths that they ask for; how many are new."""

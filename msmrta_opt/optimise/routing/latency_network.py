@@ -17,6 +17,7 @@ routing problem* (2011) for ng-routes; time-expanded states for completion times
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from copy import copy
 from dataclasses import replace
@@ -39,6 +40,7 @@ MOST_REMEMBERED = 40
 _BITS = 48
 _MASK = (1 << _BITS) - 1
 _EXACT = 1e-9
+_DIGITS = 12
 
 Stops = tuple[tuple[int, tuple[int, ...], float], ...]
 """Victim, needs served there, and when that is done, in order."""
@@ -74,7 +76,7 @@ class Network:
             horizon = np.minimum(horizon, data.endurance[robot] - home)
         latest = max(float(horizon.max()), 0.0)
         exact = grain > 0.0 and latest <= grain * MOST_STEPS
-        self.step = grain if exact else latest / MOST_STEPS or 1.0
+        self.step = grain if exact else _short(latest / MOST_STEPS) or 1.0
         self.last = int(self._steps(np.array(latest)))
 
         service = [self._steps(np.array([time for time, _ in own])) for own in sets]
@@ -354,6 +356,12 @@ def _options(needs: Needs, robot: int, victim: int) -> list[tuple[float, tuple[i
     able = [g for g in needs.of[victim] if needs.able[robot, g]]
     sets = [some for n in range(1, len(able) + 1) for some in combinations(able, n)]
     return sorted((sum(needs.service[g] for g in some), some) for some in sets)
+
+
+def _short(number: float) -> float:
+    """A number that is hardly larger and has few binary digits, so that it can be written exactly."""
+    mantissa, exponent = math.frexp(number)
+    return math.ldexp(math.ceil(mantissa * 2**_DIGITS), exponent - _DIGITS)
 
 
 def _longest(

@@ -20,7 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formulation import Floats
+from ..formulation import Bools, Floats, Ints
+from .latency_needs import Needs
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,3 +78,28 @@ def portions(breaks: Floats, times: Floats) -> Floats:
     """How much of each step lies before each time, ``(..., n_breaks)``."""
     length = np.append(np.diff(breaks), np.inf)
     return np.clip(np.asarray(times)[..., None] - breaks, 0.0, length)
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """The prices that a round of column generation ended with, and what paths remembered then."""
+
+    prices: Prices
+    neighbours: dict[int, tuple[Ints, Bools]]
+    """By robot: its victims ``(m,)``, and which of them it remembers at which, ``(m, m)``."""
+
+
+@dataclass(frozen=True, eq=False)
+class LatencyRoot:
+    """What was proved before branching, round by round, and by what.
+
+    Every round but the first is on networks in which those before it ruled out what no answer better
+    than the incumbent does.
+    """
+
+    value: float
+    """No answer better than the incumbent is worth less."""
+    needs: Needs
+    clocks: dict[int, float]
+    """The robots' steps of time."""
+    rounds: tuple[Round, ...]

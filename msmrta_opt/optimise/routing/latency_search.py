@@ -38,7 +38,7 @@ from .latency_generation import Generation
 from .latency_master import Master, Path
 from .latency_needs import Needs
 from .latency_network import Network
-from .latency_prices import Prices
+from .latency_prices import LatencyRoot, Prices, Round
 from .latency_routes import all_paths
 from .local_search import improve
 from .progress import ROUNDING, Progress, Report
@@ -115,9 +115,12 @@ def search_latency(
         should_stop=should_stop,
     )
     progress.raise_bound(latency_bound(data), "combinatorial")
+    root = None
     if not progress.done():
-        _Run(data, progress, seed).run()
-    return progress.routes, Bound(progress.bound, progress.proof, progress.grain.step)
+        search = _Run(data, progress, seed)
+        search.run()
+        root = search.root()
+    return progress.routes, Bound(progress.bound, progress.proof, progress.grain.step, latency=root)
 
 
 @dataclass(order=True)
@@ -149,6 +152,17 @@ class _Run:
         self.left_open = math.inf
         """The least bound of nodes that were given up."""
         self.proof: Proof = "column generation"
+        self.clocks: dict[int, float] = {}
+        self.rounds: list[Round] = []
+        """Of the first node."""
+        self.proved_by_rounds = -math.inf
+
+    def root(self) -> LatencyRoot | None:
+        """What was proved without branching, if anything was."""
+        if not self.rounds:
+            return None
+        value = self.progress.possible(self.proved_by_rounds)
+        return LatencyRoot(value, self.needs, self.clocks, tuple(self.rounds))
 
     def run(self) -> None:
         """Close in until done."""
@@ -160,6 +174,7 @@ class _Run:
         ]
         if any(network.timeless for network in networks):
             return
+        self.clocks = {network.robot: network.step for network in networks}
         for network in networks:
             network.remember(network.nearest(REMEMBERED))
         prices = Prices.without_reward(
@@ -210,7 +225,11 @@ class _Run:
         root = node.number == 0
         tolerance = FIRST_TOLERANCE if root else LATER_TOLERANCE
         for n in count():
-            if not generation.converge(tolerance * self.progress.value, self):
+            converged = generation.converge(tolerance * self.progress.value, self)
+            if root and generation.proven > -math.inf:
+                self.rounds.append(generation.round())
+                self.proved_by_rounds = max(self.proved_by_rounds, generation.proven)
+            if not converged:
                 self.give_up()
                 return
             gain = self.master.refine(generation.prices)
