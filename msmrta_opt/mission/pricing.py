@@ -17,7 +17,7 @@ Only plans better than the one at hand matter. What costs more on every path tha
 ruled out: services at certain steps, and legs. So every round of prices is on a smaller network than
 the one before, and proves more.
 
-All costs are counted in whole numbers of one small unit: prices are rounded down to it, which the
+All costs are whole numbers of one small unit: what needs are charged is rounded down to it, which the
 proof allows, and nothing else is rounded.
 """
 
@@ -43,7 +43,9 @@ Need = tuple[int, tuple[str, ...]]
 NEVER = 1 << 61
 """The cost of what cannot be: two of them still are a number."""
 _MOST_BITS, _FEWEST_BITS = 40, 8
-"""A unit of cost is 2 to the minus so many bits, times a part of a time unit."""
+"""A unit of cost is 2 to the minus so many bits."""
+_CHARGE_BITS = 60
+"""Charges are counted in 2 to the minus so many bits."""
 _MOST_CELLS = 100_000_000
 """States times steps of a robot, beyond which memory would run out."""
 
@@ -103,27 +105,34 @@ class _Unit:
     parts: int
     """Of a time unit; the robots' steps are whole numbers of them."""
     bits: int
-    """Binary digits of charges a part."""
+    """Binary digits of costs."""
 
     @property
     def scale(self) -> int:
         """Units of cost that make up 1."""
-        return self.parts << self.bits
+        return 1 << self.bits
 
 
 @dataclass(frozen=True, eq=False)
 class _Price:
-    """Of one need: its reward, and its charges from the begin of each step on, in units."""
+    """Of one need: its reward in units of cost, and its charges."""
 
+    unit: _Unit
     reward: int
     begin: Ints
-    charge: Ints
+    """Where the steps of its charges begin, in parts; the first at 0."""
+    charge: tuple[int, ...]
+    """For each part of each step, in `_CHARGE_BITS`."""
 
     def cost(self, times: Ints) -> Ints:
-        """Charges less the reward, for being done at `times`, in parts."""
-        length = np.diff(self.begin, append=NEVER)
-        passed = np.clip(times[:, None] - self.begin, 0, length)
-        return np.asarray(passed @ self.charge - self.reward)
+        """Charges less the reward, for being done at `times`, in parts; whole numbers of any size."""
+        step = self.begin.searchsorted(times, side="right") - 1
+        length = np.diff(self.begin).astype(object)
+        charge = np.array(self.charge, dtype=object)
+        before = np.concatenate([[0], np.cumsum(length * charge[:-1])])
+        charged = before[step] + charge[step] * (times - self.begin[step]).astype(object)
+        divisor = self.unit.parts << (_CHARGE_BITS - self.unit.bits)
+        return np.asarray(charged // divisor - self.reward, dtype=np.int64)
 
 
 def _needs(joint: Joint) -> dict[int, tuple[Need, ...]]:
@@ -182,7 +191,7 @@ def _unit(
     often = max(
         (math.ceil(_horizon(joint, r, deadlines) / clocks[r]) for r in _movers(joint)), default=1
     )
-    largest = math.ceil((latest + rewards) * parts * (often + 1))
+    largest = math.ceil((latest + rewards) * (often + 1))
     bits = min(_MOST_BITS, 60 - largest.bit_length())
     if bits < _FEWEST_BITS:
         raise CheckError("these prices and clocks are too large to count with")
@@ -248,17 +257,17 @@ def _prices(
                 f"{item.victim}"
             )
         prices[need] = _Price(
+            unit,
             math.floor(exact(item.reward) * unit.scale),
             np.array([math.floor(time * unit.parts) for time in own], dtype=np.int64),
-            np.array([math.floor(exact(c) * 2**unit.bits) for c in item.charges], dtype=np.int64),
+            tuple(math.floor(exact(charge) * 2**_CHARGE_BITS) for charge in item.charges),
         )
     for v, group in needs.items():
-        own_prices = [prices[need] for need in group if need in prices]
-        charged = sum((price.charge for price in own_prices), np.zeros(1, dtype=np.int64))
-        if int(charged.max()) > joint.priority[v] * 2**unit.bits:
+        charges = zip(*(prices[need].charge for need in group if need in prices), strict=True)
+        if any(sum(charged) > joint.priority[v] * 2**_CHARGE_BITS for charged in charges):
             raise CheckError(f"{name} charges more for victim {v} than its priority")
-    nothing = np.zeros(1, dtype=np.int64)
-    return {need: prices.get(need, _Price(0, nothing, nothing)) for need in known}
+    nothing = _Price(unit, 0, np.zeros(1, dtype=np.int64), (0,))
+    return {need: prices.get(need, nothing) for need in known}
 
 
 def _remembered(joint: Joint, part: PriceRound, name: str) -> dict[tuple[int, int], frozenset[int]]:

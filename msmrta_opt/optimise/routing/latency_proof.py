@@ -16,7 +16,7 @@ from .latency_needs import Needs
 from .latency_prices import LatencyRoot, Round
 
 _PARTS = 10**9
-"""Charges are rounded down to such parts of a victim's priority, and so are never too high."""
+"""Charges are rounded down by up to two such parts of a victim's priority: they never add up to more."""
 _DIGITS = 12
 """Significant digits of a reward: any rewards prove a bound, these the same one to that precision."""
 
@@ -82,4 +82,4 @@ def _round(instance: Instance, data: RoutingData, needs: Needs, part: Round) -> 
 
 def _down(charge: float, priority: float) -> float:
     share = charge / priority if priority else 0.0
-    return priority if share >= 1.0 else math.floor(share * _PARTS) * priority / _PARTS
+    return priority if share >= 1.0 else max(math.floor(share * _PARTS) - 1, 0) * priority / _PARTS

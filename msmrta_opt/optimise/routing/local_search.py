@@ -123,8 +123,12 @@ class _Search:
             for v, kinds in route:
                 for k in kinds:
                     self.who[place[v, k]] = r
+        self.busy = [self._busy(r) for r in range(data.n_robots)]
+        """Time and travel of each robot on its route."""
+        self.nearest: list[dict[int, tuple[float, int]]] = [{} for _ in routes]
+        """For each robot and victim, on its route as it is: least travel to add, and the place."""
         self.cost = self._cost()
-        self.best = (self.cost, [list(route) for route in self.routes], list(self.who))
+        self.best = (self.cost, list(self.routes), list(self.who))
 
     def run(
         self, seconds: float | None, iterations: int | None, should_stop: Callable[[], bool]
@@ -157,19 +161,15 @@ class _Search:
         )
 
     def _step(self, temperature: float) -> None:
-        before = self.cost, [list(route) for route in self.routes], list(self.who)
-        removed = self._ruin()
-        if not self._recreate(removed):
-            self.cost, self.routes, self.who = before
-            return
-        cost = self._cost()
-        threshold = before[0] - temperature * math.log(self.rng.random() or 1e-12)
-        if cost >= threshold:
-            self.cost, self.routes, self.who = before
+        before = list(self.routes), list(self.who), list(self.busy), list(self.nearest)
+        whole = self._recreate(self._ruin())
+        cost = self._cost() if whole else math.inf
+        if cost >= self.cost - temperature * math.log(self.rng.random() or 1e-12):
+            self.routes, self.who, self.busy, self.nearest = before
             return
         self.cost = cost
         if cost < self.best[0] - 1e-9:
-            self.best = (cost, [list(route) for route in self.routes], list(self.who))
+            self.best = (cost, list(self.routes), list(self.who))
 
     def _ruin(self) -> list[int]:
         """Take out strings of visits around a random victim; returns their requirements."""
@@ -193,11 +193,18 @@ class _Search:
                 start = rng.randint(low, min(at, len(route) - length))
                 for w in route[start : start + length]:
                     removed += [g for g in self.needs[w] if self.who[g] == r]
-                del route[start : start + length]
+                self._reroute(r, route[:start] + route[start + length :])
                 ruined.add(r)
         for g in removed:
             self.who[g] = -1
+        for r in ruined:
+            self.busy[r] = self._busy(r)
         return removed
+
+    def _reroute(self, r: int, route: list[int]) -> None:
+        """Give robot `r` another route; `busy` is up to the caller."""
+        self.routes[r] = route
+        self.nearest[r] = {}
 
     def _recreate(self, removed: list[int]) -> bool:
         """Put requirements back, each where it costs least; whether all of them could be."""
@@ -210,9 +217,10 @@ class _Search:
         else:
             removed.sort(key=lambda g: -self.service[g])
         daring = rng.random() < DARING
-        busy = [self._busy(r) for r in range(len(self.routes))]
+        busy = self.busy
         for g in removed:
-            best, choice = math.inf, (-1, -1)
+            v = self.victim[g]
+            best, choice = math.inf, (-1, -1, 0.0)
             for r in self.able[g]:
                 delay, added, at = self._insertion(r, g)
                 total, walk = busy[r][0] + added + self.service[g], busy[r][1] + added
@@ -222,14 +230,13 @@ class _Search:
                 if daring and rng.random() < DARING:
                     price *= rng.random()
                 if price < best:
-                    best, choice = price, (r, at)
-            r, at = choice
+                    best, choice = price, (r, at, added)
+            r, at, added = choice
             if r < 0:
                 return False
-            added = 0.0 if at < 0 else self._added(r, self.victim[g], at)
             busy[r] = busy[r][0] + added + self.service[g], busy[r][1] + added
             if at >= 0:
-                self.routes[r].insert(at, self.victim[g])
+                self._reroute(r, [*self.routes[r][:at], v, *self.routes[r][at:]])
             self.who[g] = r
         return True
 
@@ -244,8 +251,11 @@ class _Search:
             return self._soonest(r, g)
         if v in route:
             return 0.0, 0.0, -1
-        place = self._nearest(r, v)
-        added = self._added(r, v, place)
+        known = self.nearest[r].get(v)
+        if known is None:
+            place = self._nearest(r, v)
+            known = self.nearest[r][v] = self._added(r, v, place), place
+        added, place = known
         return added, added, place
 
     def _nearest(self, r: int, v: int) -> int:
@@ -342,7 +352,7 @@ class _Search:
 
     def _cost(self) -> float:
         if self.objective != "latency":
-            busy = [self._busy(r)[0] for r in range(len(self.routes))]
+            busy = [total for total, _ in self.busy]
             # Among equal makespans the least total leads on: a flat objective has no slope.
             return sum(busy) if self.objective == "total_time" else max(busy) + 1e-4 * sum(busy)
         completion = [0.0] * self.data.n_victims

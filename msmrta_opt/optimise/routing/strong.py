@@ -28,6 +28,7 @@ from .fixing import fixed
 from .grain import granularity
 from .local_search import improve
 from .narrow import Row, in_order, own_visits
+from .parts import improve_by_parts
 from .progress import Progress, Report
 from .relaxation import Relaxation, Relaxed
 from .tree import Tree
@@ -100,12 +101,7 @@ def strong_bound(
     if objective not in ("total_time", "makespan"):
         raise InputError(f"{objective!r}; give 'total_time' or 'makespan'", field="objective")
     run = _Run(data, objective, incumbent, time_limit, gap, seed, report, should_stop)
-    if not run.done():
-        relaxed = run.relax()
-        if not run.done():
-            run.restricted(relaxed)
-        if not run.done():
-            run.branch(relaxed)
+    run.close_in()
     return run.routes, run.result()
 
 
@@ -177,6 +173,20 @@ class _Run(Progress):
         self.seen = np.zeros(self.columns.n_columns, dtype=bool)
         self.raise_bound(combinatorial_bound(data, objective), "combinatorial")
 
+    def close_in(self, *, by_parts: bool = True) -> None:
+        """Close in from both sides until done."""
+        if self.done():
+            return
+        relaxed = self.relax()
+        if not self.near() and not self.done():
+            self.polish(0.2)
+        if not self.done():
+            self.restricted(relaxed)
+        if by_parts and not self.near() and not self.done():
+            self.parts(relaxed, 0.5)
+        if not self.done():
+            self.branch(relaxed)
+
     def relax(self) -> Relaxed:
         """The root bound."""
         relaxation = Relaxation(self.columns, routes=self.routes)
@@ -192,13 +202,34 @@ class _Run(Progress):
 
     def restricted(self, relaxed: Relaxed) -> None:
         """The integer program on the columns that the relaxation or the incumbent used."""
-        if not self.near():
-            self.polish(0.2)
         used = self.seen | (self.columns.point(self.routes) > 0)
         upper = np.where(used, self.columns.upper, 0.0)
-        self.search(relaxed, upper, self.value, seconds=0.2 * self.left())
-        if not self.done() and not self.near():
-            self.polish(0.1)
+        self.search(relaxed, upper, self.value, seconds=0.1 * self.left())
+
+    def parts(self, relaxed: Relaxed, share: float) -> None:
+        """The strong method on some robots at a time, for a share of the time left."""
+        visit = np.zeros(self.data.can_visit.shape)
+        visit[tuple(self.columns.pairs.T)] = relaxed.point[: self.columns.n_pairs]
+        split = np.minimum(visit[:, None], visit[None]).sum(axis=2)
+        np.fill_diagonal(split, 0.0)
+
+        def solve(part: RoutingData, routes: Routes, seconds: float) -> Routes:
+            run = _Run(part, self.objective, routes, seconds, 0.0, self.seed, None, self.done)
+            run.close_in(by_parts=False)
+            return run.routes
+
+        self.offer(
+            improve_by_parts(
+                self.data,
+                self.objective,
+                self.routes,
+                split,
+                solve,
+                seconds=share * self.left(),
+                seed=self.seed,
+                should_stop=self.done,
+            )
+        )
 
     def near(self) -> bool:
         """Whether so little is open that local search is of no more use than a tree."""
