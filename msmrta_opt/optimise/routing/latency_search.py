@@ -158,8 +158,8 @@ class _Run:
         self.proved_by_rounds = -math.inf
 
     def root(self) -> LatencyRoot | None:
-        """What was proved without branching, if anything was."""
-        if not self.rounds:
+        """What was proved by prices without branching, if it is more than what follows at once."""
+        if not self.rounds or self.progress.proof == "combinatorial":
             return None
         value = self.progress.possible(self.proved_by_rounds)
         return LatencyRoot(value, self.needs, self.clocks, tuple(self.rounds))

@@ -170,3 +170,19 @@ def test_latency_comes_in_steps_of_time_and_priority(priorities: list[float], st
     assert latency_grain(replace(data, priority=np.array(priorities))).step == pytest.approx(step)
     odd = replace(data, priority=np.array([1.0, np.pi]))
     assert latency_grain(odd).step == 0
+
+
+def test_a_bound_that_follows_at_once_needs_no_prices() -> None:
+    """By itself each of two robots takes its own victim, and is done with it at once."""
+    data = RoutingData(
+        leave=np.array([[3.0, 9.0], [9.0, 4.0]]),
+        between=np.full((2, 2, 2), 6.0),
+        back=np.zeros((2, 2)),
+        service=np.ones((2, 1)),
+        able=np.ones((2, 2, 1), dtype=bool),
+        priority=np.ones(2),
+        endurance=np.full(2, np.inf),
+        longest_walk=np.full(2, np.inf),
+    )
+    _, bound = search_latency(data, (((0, (0,)),), ((1, (0,)),)))
+    assert (bound.value, bound.proof, bound.latency) == (9.0, "combinatorial", None)
