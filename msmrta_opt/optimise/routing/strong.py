@@ -180,10 +180,10 @@ class _Run(Progress):
         relaxed = self.relax()
         if not self.near() and not self.done():
             self.polish(0.2)
-        if not self.done():
-            self.restricted(relaxed)
-        if by_parts and not self.near() and not self.done():
-            self.parts(relaxed, 0.5)
+        # Where this program is solved, as a rule the whole one soon is.
+        solved = self.done() or self.restricted(relaxed, 0.15)
+        if by_parts and not solved and not self.done():
+            self.parts(relaxed, 0.4)
         if not self.done():
             self.branch(relaxed)
 
@@ -200,11 +200,14 @@ class _Run(Progress):
         self.seen = relaxation.seen
         return self.relaxed
 
-    def restricted(self, relaxed: Relaxed) -> None:
-        """The integer program on the columns that the relaxation or the incumbent used."""
+    def restricted(self, relaxed: Relaxed, share: float) -> bool:
+        """The integer program on the columns that the relaxation or the incumbent used.
+
+        It gets a share of the time left; returns whether that was enough.
+        """
         used = self.seen | (self.columns.point(self.routes) > 0)
         upper = np.where(used, self.columns.upper, 0.0)
-        self.search(relaxed, upper, self.value, seconds=0.1 * self.left())
+        return self.search(relaxed, upper, self.value, seconds=share * self.left()).complete
 
     def parts(self, relaxed: Relaxed, share: float) -> None:
         """The strong method on some robots at a time, for a share of the time left."""
