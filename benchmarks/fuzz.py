@@ -27,8 +27,8 @@ from pathlib import Path
 from typing import Any
 
 import msmrta_opt as mo
+from msmrta_opt.mission.bounds.recheck import recheck
 from msmrta_opt.mission.check import problems
-from msmrta_opt.mission.check_bound import recheck
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.plan import Plan

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from ..mission.check_bound import Recheck
+    from ..mission.bounds.recheck import Recheck
     from ..mission.instance import Instance
     from ..mission.plan import Plan
 
@@ -86,7 +86,7 @@ def _check_bound(
     file: Path, plan: Plan, missions: list[Instance], time_limit: float | None, solver: str | None
 ) -> list[str]:
     """What is wrong with the bound of `plan`; what is proved again is said, the rest on one line."""
-    from ..mission.check_bound import recheck
+    from ..mission.bounds.recheck import recheck
     from ..mission.errors import InputError
 
     if missions and not any(map(plan.is_for, missions)):
@@ -129,7 +129,7 @@ def _root(found: Recheck) -> list[str]:
 
 def _root_again(found: Recheck, solver: str | None, wrong: list[str]) -> list[str]:
     """The root relaxation by another solver."""
-    from ..mission.check_bound import TOLERANCE
+    from ..mission.bounds.recheck import TOLERANCE
     from ..mission.errors import SolverError
     from ..optimise.routing.second_opinion import other_solver, root_again
 
@@ -170,7 +170,7 @@ def _explicitly(
     plan: Plan, found: Recheck, solver: str | None, time_limit: float, wrong: list[str]
 ) -> list[str]:
     """The explicit model of the plan's problem, solved again."""
-    from ..mission.check_bound import TOLERANCE
+    from ..mission.bounds.recheck import TOLERANCE
     from ..planners.explicit import solve_explicitly
 
     claimed, objective = found.certificate.bound or 0.0, found.certificate.model

@@ -11,10 +11,10 @@ from itertools import pairwise
 from math import isfinite
 from numbers import Real
 
+from .bounds.joint import servable
 from .errors import CheckError
 from .grid import Cell
 from .instance import Instance
-from .joint import servable
 from .plan import (
     BEYOND_ENDURANCE,
     NO_CAPABLE_ROBOT_REACHES_IT,

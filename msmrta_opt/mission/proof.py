@@ -1,7 +1,7 @@
 r"""What proves a bound on the joint problem: the prices of its linear relaxation's rows, and its cuts.
 
 No coefficient is stored. Every row is named by what it is about, and whoever checks the proof writes
-it out again from the instance (`duality`), so a row that does not hold cannot be claimed. Rows of
+it out again from the instance (`bounds.duality`), so a row that does not hold cannot be claimed. Rows of
 price 0 prove nothing and are left out; so a proof is small. Robots and victims are named by their ids.
 
 With y for the visits of a robot, f and l for its first and last victim, e for the edges it walks
@@ -24,8 +24,8 @@ where e(S) are the edges with both ends in S. The ``a`` and their rows are there
 count: for the makespan, or under an endurance. Prices are of a minimisation: those of ≤ rows are at
 most 0, those of ≥ rows at least 0.
 
-Latency has prices of another kind (`pricing`): a reward for serving a need, charges for when it is
-done, and robots' routes that are cheapest at these. A need is what one robot will serve in one visit:
+Latency has prices of another kind (`bounds.pricing`): a reward for serving a need, charges for when it
+is done, and robots' routes that are cheapest at these. A need is what one robot will serve in one visit:
 those requirements of a victim that only one and the same robot can serve, or else one requirement.
 """
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..mission.check_bound import STAGE as STAGE_OF_BOUNDS
+from ..mission.bounds.recheck import STAGE as STAGE_OF_BOUNDS
 from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import BEYOND_ENDURANCE, Certificate, Plan, Route, Unserved

@@ -1,7 +1,7 @@
 """A bound on the joint problem proved again by a solver that did not make it.
 
-The root relaxation is the one that `mission.duality` writes out from the instance; the explicit models
-are those of the registry. HiGHS makes the root bounds, so it is not asked about them.
+The root relaxation is the one that `mission.bounds.duality` writes out from the instance; the explicit
+models are those of the registry. HiGHS makes the root bounds, so it is not asked about them.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 from scipy.sparse import csr_array
 
-from ...mission.duality import Relaxation
+from ...mission.bounds.duality import Relaxation
 from ...mission.errors import InputError, SolverError
 from ..formulation import Floats
 from ..program import Block, Program

@@ -2,7 +2,8 @@ r"""The strong method: an answer and a bound that close in on each other.
 
 1. The cutting-plane relaxation (`relaxation`) bounds from below.
 2. The columns of its points and of the incumbent, few as they are, make a small integer program whose
-   solution is mostly much better than the incumbent; local search polishes it.
+   solution is mostly much better than the incumbent. Where it is too hard, the same method improves
+   some robots' routes at a time (`parts`).
 3. Reduced costs fix most columns (`fixing`).
 4. Branch and cut (`branch_and_cut`, or `resolve` without SCIP) on the rest, for better answers only.
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
-from ...mission.check_bound import STAGE as STAGE_OF_BOUNDS
+from ...mission.bounds.recheck import STAGE as STAGE_OF_BOUNDS
 from ...mission.errors import InputError
 from ...mission.instance import Instance
 from ...mission.plan import Plan

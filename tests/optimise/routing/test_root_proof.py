@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from msmrta_opt.mission.check_bound import worth
-from msmrta_opt.mission.duality import Relaxation, relaxation
+from msmrta_opt.mission.bounds.duality import Relaxation, relaxation
+from msmrta_opt.mission.bounds.joint import Joint
+from msmrta_opt.mission.bounds.recheck import worth
 from msmrta_opt.mission.errors import InputError, SolverError
 from msmrta_opt.mission.generate import random_mission
-from msmrta_opt.mission.joint import Joint
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.mission.proof import RootProof

@@ -13,15 +13,15 @@ import pytest
 from support.joint_oracle import least
 
 import msmrta_opt as mo
+from msmrta_opt.mission.bounds.recheck import Recheck, recheck
 from msmrta_opt.mission.check import problems
-from msmrta_opt.mission.check_bound import Recheck, recheck
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners.explicit import problem_of
 
-MAPS = Path(__file__).parents[2] / "instances" / "maps"
+MAPS = Path(__file__).parents[3] / "instances" / "maps"
 Document = dict[str, Any]
 
 LIMITS: list[dict[str, Any]] = [

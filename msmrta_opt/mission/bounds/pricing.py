@@ -28,9 +28,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from .errors import CheckError
+from ..errors import CheckError
+from ..proof import LatencyProof, PriceRound
 from .joint import Joint, exact
-from .proof import LatencyProof, PriceRound
 from .relaxed_routes import Deadlines, Ints, Need, Network, last_services
 
 _MOST_BITS, _FEWEST_BITS = 40, 8

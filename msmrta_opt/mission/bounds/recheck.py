@@ -11,12 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 
+from ..errors import CheckError, InputError
+from ..plan import Certificate, Plan
+from ..proof import RootProof
 from .duality import Relaxation, relaxation
-from .errors import CheckError, InputError
 from .joint import Joint, exact, service_times
-from .plan import Certificate, Plan
 from .pricing import proved as priced
-from .proof import RootProof
 from .queues import in_queues
 
 STAGE = "joint problem"

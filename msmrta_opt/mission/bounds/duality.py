@@ -18,9 +18,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations
 
-from .errors import CheckError
+from ..errors import CheckError
+from ..proof import PathCut, RootProof, SubtourCut
 from .joint import Joint
-from .proof import PathCut, RootProof, SubtourCut
 
 Column = tuple[str | int, ...]
 """``("y", robot, victim)``, ``f`` and ``l`` alike, ``("e", robot, i, j)`` with i < j,

@@ -22,7 +22,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import CheckError
+from ..errors import CheckError
 from .joint import Joint
 
 Ints = NDArray[np.int64]

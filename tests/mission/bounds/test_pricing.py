@@ -12,21 +12,21 @@ from typing import Any
 import pytest
 from support.joint_oracle import least
 
-from msmrta_opt.mission.check_bound import worth
+from msmrta_opt.mission.bounds.joint import Joint
+from msmrta_opt.mission.bounds.pricing import proved
+from msmrta_opt.mission.bounds.queues import in_queues
+from msmrta_opt.mission.bounds.recheck import worth
 from msmrta_opt.mission.errors import CheckError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.mission.joint import Joint
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
-from msmrta_opt.mission.pricing import proved
 from msmrta_opt.mission.proof import LatencyProof
-from msmrta_opt.mission.queues import in_queues
 from msmrta_opt.optimise.routing.latency import latency_bound
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.planners.explicit import problem_of
 
-MAPS = Path(__file__).parents[2] / "instances" / "maps"
+MAPS = Path(__file__).parents[3] / "instances" / "maps"
 KIND = "FirstAids"
 Document = dict[str, Any]
 

@@ -14,9 +14,9 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
 
-from .grid import Cell, GridMap
-from .instance import Instance
-from .plan import Plan
+from ..grid import Cell, GridMap
+from ..instance import Instance
+from ..plan import Plan
 
 _LARGEST_DENOMINATOR = 10_000
 _CLOSE = 1e-12

@@ -11,16 +11,16 @@ from typing import Any
 
 import pytest
 
-from msmrta_opt.mission.duality import Column, relaxation
+from msmrta_opt.mission.bounds.duality import Column, relaxation
+from msmrta_opt.mission.bounds.joint import Joint
 from msmrta_opt.mission.errors import CheckError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.mission.joint import Joint
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.mission.proof import RootProof
 
-MAPS = Path(__file__).parents[2] / "instances" / "maps"
+MAPS = Path(__file__).parents[3] / "instances" / "maps"
 KIND = "FirstAids"
 
 # By hand: a robot at 1 of a corridor of five cells, victims at 0 and 4, service 2 each. The way over

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from msmrta_opt.mission.bounds.joint import Joint, exact, greatest_common_divisor, steps_from
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.mission.joint import Joint, exact, greatest_common_divisor, steps_from
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan
 
