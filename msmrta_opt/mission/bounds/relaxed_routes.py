@@ -33,7 +33,7 @@ Deadlines = dict[int, Fraction | None]
 
 NEVER = 1 << 61
 """The cost of what cannot be: two of them still are a number."""
-_MOST_CELLS = 100_000_000
+_MOST_CELLS = 40_000_000
 """States times steps of a robot, beyond which memory would run out."""
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import importlib.util
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -38,6 +39,7 @@ NEAR = 0.005
 """Gap up to which trees are left to themselves."""
 LONGEST_POLISH = 30.0
 """Seconds of local search at a time."""
+_TINY = 1e-6
 
 
 class _Search(Protocol):
@@ -170,7 +172,6 @@ class _Run(Progress):
         self.seed = seed
         self.columns = Columns.of(data, objective, self.value)
         self.relaxed: Relaxed | None = None
-        self.polished = 0
         self.seen = np.zeros(self.columns.n_columns, dtype=bool)
         self.raise_bound(combinatorial_bound(data, objective), "combinatorial")
 
@@ -180,7 +181,7 @@ class _Run(Progress):
             return
         relaxed = self.relax()
         if not self.near() and not self.done():
-            self.polish(0.2)
+            self.polish(relaxed, 0.2)
         # Where this program is solved, as a rule the whole one soon is.
         solved = self.done() or self.restricted(relaxed, 0.15)
         if by_parts and not solved and not self.done():
@@ -239,18 +240,25 @@ class _Run(Progress):
         """Whether so little is open that local search is of no more use than a tree."""
         return self.open() <= NEAR
 
-    def polish(self, share: float) -> None:
-        """Local search on the incumbent, for a share of the time left."""
-        self.polished += 1
+    def polish(self, relaxed: Relaxed, share: float) -> None:
+        """Local search on the incumbent, for a share of the time left.
+
+        Robots go only where the relaxation or the incumbent has them go: there are few better places,
+        and the search is lost among the others.
+        """
+        visited = self.columns.point(self.routes)[: self.columns.n_pairs] > 0
+        visited |= relaxed.point[: self.columns.n_pairs] > _TINY
+        goes = np.zeros_like(self.data.can_visit)
+        goes[tuple(self.columns.pairs[visited].T)] = True
         # On small missions trees take less time than any local search worth the name.
         seconds = min(share * self.left(), 2 * self.spent(), LONGEST_POLISH)
         self.offer(
             improve(
-                self.data,
+                replace(self.data, able=self.data.able & goes[:, :, None]),
                 self.routes,
                 self.objective,
                 seconds=seconds,
-                seed=self.seed + self.polished,
+                seed=self.seed + 1,
                 should_stop=self.done,
             )
         )
