@@ -26,8 +26,8 @@ FEWEST, MOST = 4, 7
 """Robots of a part, to begin with and at last."""
 IN_VAIN = 10
 """Draws in a row that bring nothing, after which parts grow."""
-LONGEST = 10.0
-"""Seconds for a part."""
+LONGEST, SHARE = 10.0, 0.25
+"""Seconds for a part, and the share of all seconds."""
 _FAR = 1e-3
 """Weight of robots between which nothing is split."""
 _BETTER = 1e-6
@@ -84,7 +84,7 @@ def improve_by_parts(
         if key in known or not victims:
             continue
         known.add(key)
-        found = solve(part, own, min(left, LONGEST))
+        found = solve(part, own, min(left, LONGEST, SHARE * seconds))
         if value(part, found, objective) < value(part, own, objective) - _BETTER:
             routes, in_vain = put_back(routes, robots, found, victims), 0
             # What was best beside the old routes need not be beside the new.

@@ -185,7 +185,7 @@ class _Run(Progress):
         # Where this program is solved, as a rule the whole one soon is.
         solved = self.done() or self.restricted(relaxed, 0.15)
         if by_parts and not solved and not self.done():
-            self.parts(relaxed, 0.4)
+            self.parts(relaxed, 0.6)
         if not self.done():
             self.branch(relaxed)
 
