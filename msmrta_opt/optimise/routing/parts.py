@@ -42,6 +42,7 @@ def improve_by_parts(
     *,
     seconds: float,
     seed: int = 0,
+    improved: Callable[[Routes], object] = lambda routes: None,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Routes:
     """Routes at least as good as `routes`.
@@ -62,6 +63,8 @@ def improve_by_parts(
         Wall time to spend.
     seed : int
         Of the draws.
+    improved : callable
+        Called with routes whenever some part of them got better.
     should_stop : callable
         Asked before each part.
     """
@@ -87,6 +90,7 @@ def improve_by_parts(
         found = solve(part, own, min(left, LONGEST, SHARE * seconds))
         if value(part, found, objective) < value(part, own, objective) - _BETTER:
             routes, in_vain = put_back(routes, robots, found, victims), 0
+            improved(routes)
             # What was best beside the old routes need not be beside the new.
             known = {other for other in known if not other & key} | {key}
     return routes

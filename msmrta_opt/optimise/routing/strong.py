@@ -37,6 +37,8 @@ from .tree import Tree
 
 NEAR = 0.005
 """Gap up to which trees are left to themselves."""
+POLISH, RESTRICTED, PARTS = 0.2, 0.15, 0.6
+"""Shares of the time left, for what looks for better answers before the tree."""
 LONGEST_POLISH = 30.0
 """Seconds of local search at a time."""
 _TINY = 1e-6
@@ -181,11 +183,11 @@ class _Run(Progress):
             return
         relaxed = self.relax()
         if not self.near() and not self.done():
-            self.polish(relaxed, 0.2)
+            self.polish(relaxed)
         # Where this program is solved, as a rule the whole one soon is.
-        solved = self.done() or self.restricted(relaxed, 0.15)
+        solved = self.done() or self.restricted(relaxed)
         if by_parts and not solved and not self.done():
-            self.parts(relaxed, 0.6)
+            self.parts(relaxed)
         if not self.done():
             self.branch(relaxed)
 
@@ -202,17 +204,17 @@ class _Run(Progress):
         self.seen = relaxation.seen
         return self.relaxed
 
-    def restricted(self, relaxed: Relaxed, share: float) -> bool:
+    def restricted(self, relaxed: Relaxed) -> bool:
         """The integer program on the columns that the relaxation or the incumbent used.
 
-        It gets a share of the time left; returns whether that was enough.
+        Returns whether it was solved in its share of the time.
         """
         used = self.seen | (self.columns.point(self.routes) > 0)
         upper = np.where(used, self.columns.upper, 0.0)
-        return self.search(relaxed, upper, self.value, seconds=share * self.left()).complete
+        return self.search(relaxed, upper, self.value, seconds=RESTRICTED * self.left()).complete
 
-    def parts(self, relaxed: Relaxed, share: float) -> None:
-        """The strong method on some robots at a time, for a share of the time left."""
+    def parts(self, relaxed: Relaxed) -> None:
+        """The strong method on some robots at a time."""
         visit = np.zeros(self.data.can_visit.shape)
         visit[tuple(self.columns.pairs.T)] = relaxed.point[: self.columns.n_pairs]
         split = np.minimum(visit[:, None], visit[None]).sum(axis=2)
@@ -223,25 +225,24 @@ class _Run(Progress):
             run.close_in(by_parts=False)
             return run.routes
 
-        self.offer(
-            improve_by_parts(
-                self.data,
-                self.objective,
-                self.routes,
-                split,
-                solve,
-                seconds=share * self.left(),
-                seed=self.seed,
-                should_stop=self.done,
-            )
+        improve_by_parts(
+            self.data,
+            self.objective,
+            self.routes,
+            split,
+            solve,
+            seconds=PARTS * self.left(),
+            seed=self.seed,
+            improved=self.offer,
+            should_stop=self.done,
         )
 
     def near(self) -> bool:
         """Whether so little is open that local search is of no more use than a tree."""
         return self.open() <= NEAR
 
-    def polish(self, relaxed: Relaxed, share: float) -> None:
-        """Local search on the incumbent, for a share of the time left.
+    def polish(self, relaxed: Relaxed) -> None:
+        """Local search on the incumbent.
 
         Robots go only where the relaxation or the incumbent has them go: there are few better places,
         and the search is lost among the others.
@@ -251,7 +252,7 @@ class _Run(Progress):
         goes = np.zeros_like(self.data.can_visit)
         goes[tuple(self.columns.pairs[visited].T)] = True
         # On small missions trees take less time than any local search worth the name.
-        seconds = min(share * self.left(), 2 * self.spent(), LONGEST_POLISH)
+        seconds = min(POLISH * self.left(), 2 * self.spent(), LONGEST_POLISH)
         self.offer(
             improve(
                 replace(self.data, able=self.data.able & goes[:, :, None]),

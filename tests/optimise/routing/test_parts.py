@@ -63,11 +63,17 @@ def test_routes_get_no_worse_and_stay_feasible(seed: int, objective: Objective) 
     assert value(data, found, objective) <= value(data, routes, objective)
 
 
-def test_bad_routes_get_better() -> None:
+def test_bad_routes_get_better_step_by_step() -> None:
     data = random_data(1, 7, 12, 20)
     routes = first_come(data)
-    found = improve_by_parts(data, "total_time", routes, alike(7), proven("total_time"), seconds=30)
-    assert value(data, found, "total_time") < value(data, routes, "total_time")
+    told: list[Routes] = []
+    found = improve_by_parts(
+        data, "total_time", routes, alike(7), proven("total_time"), seconds=30, improved=told.append
+    )
+    values = [value(data, one, "total_time") for one in (routes, *told)]
+    assert len(values) > 1
+    assert values == sorted(values, reverse=True)
+    assert told[-1] == found
 
 
 @pytest.mark.parametrize("seed", range(4))
