@@ -22,7 +22,7 @@ from .data import Objective, Routes, RoutingData, times, value
 Solve = Callable[[RoutingData, Routes, float], Routes]
 """Better routes of a joint problem, given some, within seconds."""
 
-FEWEST, MOST = 4, 7
+FEWEST, MOST = 3, 7
 """Robots of a part, to begin with and at last."""
 IN_VAIN = 10
 """Draws in a row that bring nothing, after which parts grow."""
@@ -135,7 +135,8 @@ def put_back(
 def _draw(split: Floats, size: int, rng: random.Random, first: int | None) -> list[int]:
     """Robots between which much is split, one of them `first` if it is given."""
     robots = range(len(split))
-    weight = split + _FAR
+    # Roots, lest two robots that are alike, and share all they do, be in every part.
+    weight = np.sqrt(split) + _FAR
     if first is None:
         first = rng.choices(robots, weight.sum(axis=1).tolist())[0]
     chosen = [first]

@@ -39,6 +39,8 @@ NEAR = 0.005
 """Gap up to which trees are left to themselves."""
 POLISH, RESTRICTED, PARTS = 0.2, 0.15, 0.6
 """Shares of the time left, for what looks for better answers before the tree."""
+MANY_ROBOTS = 6
+"""From which on it pays to take some at a time."""
 LONGEST_POLISH = 30.0
 """Seconds of local search at a time."""
 _TINY = 1e-6
@@ -186,7 +188,8 @@ class _Run(Progress):
             self.polish(relaxed)
         # Where this program is solved, as a rule the whole one soon is.
         solved = self.done() or self.restricted(relaxed)
-        if by_parts and not solved and not self.done():
+        many = by_parts and self.data.n_robots >= MANY_ROBOTS
+        if many and not solved and not self.done():
             self.parts(relaxed)
         if not self.done():
             self.branch(relaxed)
