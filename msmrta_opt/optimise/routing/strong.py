@@ -219,7 +219,8 @@ class _Run(Progress):
     def parts(self, relaxed: Relaxed) -> None:
         """The strong method on some robots at a time."""
         visit = np.zeros(self.data.can_visit.shape)
-        visit[tuple(self.columns.pairs.T)] = relaxed.point[: self.columns.n_pairs]
+        # Points of linear programs are a hair below their bounds at times.
+        visit[tuple(self.columns.pairs.T)] = np.maximum(relaxed.point[: self.columns.n_pairs], 0.0)
         split = np.minimum(visit[:, None], visit[None]).sum(axis=2)
         np.fill_diagonal(split, 0.0)
 

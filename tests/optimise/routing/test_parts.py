@@ -14,7 +14,7 @@ from msmrta_opt.optimise.routing import parts
 from msmrta_opt.optimise.routing.data import Objective, Routes, RoutingData, faults, times, value
 from msmrta_opt.optimise.routing.local_search import improve
 from msmrta_opt.optimise.routing.parts import improve_by_parts, part_of, put_back
-from msmrta_opt.optimise.routing.strong import strong_bound
+from msmrta_opt.optimise.routing.strong import _Run, strong_bound
 
 from .test_local_search import first_come, limited, random_data
 
@@ -171,3 +171,12 @@ def test_few_robots_have_no_parts() -> None:
         improve_by_parts(data, "total_time", routes, alike(3), proven("total_time"), seconds=9)
         == routes
     )
+
+
+def test_a_point_a_hair_below_its_bounds_is_drawn_from_all_the_same() -> None:
+    data = random_data(8, 7, 12, 20)
+    routes = first_come(data)
+    run = _Run(data, "total_time", routes, 20.0, 0.0, 0, None, None)
+    relaxed = run.relax()
+    run.parts(replace(relaxed, point=relaxed.point - 1e-9))
+    assert value(data, run.routes, "total_time") < value(data, routes, "total_time")
