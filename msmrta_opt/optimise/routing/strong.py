@@ -37,7 +37,7 @@ from .tree import Tree
 
 NEAR = 0.005
 """Gap up to which trees are left to themselves."""
-POLISH, RESTRICTED, PARTS = 0.2, 0.15, 0.6
+POLISH, RESTRICTED, PARTS = 0.2, 0.25, 0.6
 """Shares of the time left, for what looks for better answers before the tree."""
 MANY_ROBOTS = 6
 """From which on it pays to take some at a time."""
