@@ -7,9 +7,9 @@ import json
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from support.corridor import PRICES, Document, backwards
 
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.plan import Plan
@@ -17,21 +17,7 @@ from msmrta_opt.planners import plan as make_plan
 
 Run = Callable[..., int]
 Capture = pytest.CaptureFixture[str]
-Document = dict[str, Any]
 
-# By hand: a corridor of five cells, a robot at 1, victims at 0 and 4, service 2 each: done at 9.
-PRICES: Document = {
-    "objective": "total_time",
-    "bound": 9,
-    "solver": "highs by hand",
-    "degree": [{"robot": 0, "victim": 0, "price": 1}, {"robot": 0, "victim": 1, "price": 3}],
-    "leaves": [{"robot": 0, "price": -3}],
-    "ends": [{"robot": 0, "price": 3}],
-    "served": [
-        {"victim": 0, "kind": "FirstAids", "price": 2},
-        {"victim": 1, "kind": "FirstAids", "price": 6},
-    ],
-}
 NO_PRICES: Document = {"objective": "total_time", "bound": 7, "solver": "highs by hand"}
 
 
@@ -41,24 +27,6 @@ def document(corridor_file: Path) -> Document:
     found = make_plan(Instance.read(corridor_file), planner="exact").document()
     found["certificates"][0].update(root=PRICES, proof="root LP")
     return found
-
-
-def backwards(document: Document) -> Document:
-    """The plan that serves victim 1 first, done at 11."""
-    changed = copy.deepcopy(document)
-    changed["routes"][0]["visits"] = [
-        {
-            "victim": victim,
-            "served": ["FirstAids"],
-            "stage": "exact",
-            "cells": [[0, col] for col in cols],
-            "arrival": arrival,
-            "departure": arrival + 2,
-        }
-        for victim, cols, arrival in ((1, range(1, 5), 3), (0, range(4, -1, -1), 9))
-    ]
-    changed["certificates"][0]["objective"] = 11.0
-    return changed
 
 
 def written(document: Document, folder: Path, **certificate: object) -> Path:

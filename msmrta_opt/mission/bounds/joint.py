@@ -168,6 +168,14 @@ class Joint:
             soonest[v, k] = min(soonest.get((v, k), done), done)
         return soonest
 
+    @cached_property
+    def soonest_complete(self) -> dict[int, Fraction]:
+        """When each victim can be complete."""
+        complete: dict[int, Fraction] = {}
+        for (v, _), done in self.soonest.items():
+            complete[v] = max(complete.get(v, done), done)
+        return complete
+
     def grain(self, objective: str) -> Fraction:
         """What answers' values differ by: multiples of this; 0 if they do not differ."""
         times: Iterable[Fraction] = [*self.leave.values(), *self.between.values()]
@@ -188,10 +196,8 @@ class Joint:
     def at_once(self, objective: str) -> Fraction:
         """A bound without any prices: each requirement alone, by whoever is soonest done with it."""
         if objective == "latency":
-            last: dict[int, Fraction] = {}
-            for (v, _), done in self.soonest.items():
-                last[v] = max(last.get(v, done), done)
-            return sum((self.priority[v] * done for v, done in last.items()), Fraction(0))
+            complete = self.soonest_complete
+            return sum((self.priority[v] * done for v, done in complete.items()), Fraction(0))
         soonest: dict[tuple[int, str], Fraction] = {}
         for r, v, k in self.able:
             way = self.leave[r, v] + self.back(r, v)

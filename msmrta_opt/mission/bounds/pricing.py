@@ -142,15 +142,12 @@ def _deadlines(joint: Joint, most: Fraction) -> Deadlines | None:
 
     No time for a victim without priority; nothing at all if there are no such plans.
     """
-    soonest: dict[int, Fraction] = {}
-    for (v, _), done in joint.soonest.items():
-        soonest[v] = max(soonest.get(v, done), done)
-    spare = most - sum(joint.priority[v] * done for v, done in soonest.items())
+    spare = most - joint.at_once("latency")
     if spare < 0:
         return None
     return {
         v: done + spare / joint.priority[v] if joint.priority[v] else None
-        for v, done in soonest.items()
+        for v, done in joint.soonest_complete.items()
     }
 
 

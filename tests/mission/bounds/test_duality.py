@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.corridor import PRICES
 
 from msmrta_opt.mission.bounds.duality import Column, relaxation
 from msmrta_opt.mission.bounds.joint import Joint
@@ -23,23 +24,7 @@ from msmrta_opt.mission.proof import RootProof
 MAPS = Path(__file__).parents[3] / "instances" / "maps"
 KIND = "FirstAids"
 
-# By hand: a robot at 1 of a corridor of five cells, victims at 0 and 4, service 2 each. The way over
-# victim 0 is 1 + 4 = 5. With prices u of the degrees (1 and 3), w = -3 for leaving and z = 3 for as
-# many ends as starts, f, l, e and y all have a reduced cost of 0: 2 (1 + 3) - 3 = 5.
-
-TOTAL_TIME: dict[str, Any] = {
-    "objective": "total_time",
-    "bound": 9,
-    "solver": "by hand",
-    "degree": [{"robot": 0, "victim": 0, "price": 1}, {"robot": 0, "victim": 1, "price": 3}],
-    "leaves": [{"robot": 0, "price": -3}],
-    "ends": [{"robot": 0, "price": 3}],
-    "served": [
-        {"victim": 0, "kind": KIND, "price": 2},
-        {"victim": 1, "kind": KIND, "price": 6},
-    ],
-}
-MAKESPAN: dict[str, Any] = TOTAL_TIME | {
+MAKESPAN: dict[str, Any] = PRICES | {
     "objective": "makespan",
     "served": [
         {"victim": 0, "kind": KIND, "price": 4},
@@ -64,14 +49,14 @@ def proved(joint: Joint, document: dict[str, Any], worth: int = 9) -> Fraction:
     return relaxation(joint, proof, Fraction(worth)).bound()
 
 
-@pytest.mark.parametrize("document", [TOTAL_TIME, MAKESPAN], ids=lambda d: str(d["objective"]))
+@pytest.mark.parametrize("document", [PRICES, MAKESPAN], ids=lambda d: str(d["objective"]))
 def test_good_prices_prove_the_least_value(corridor: Joint, document: dict[str, Any]) -> None:
     assert proved(corridor, document) == 9
 
 
 def test_prices_that_are_off_prove_less(corridor: Joint) -> None:
     """A degree price of 4: e, f and l of victim 1 have a reduced cost of -1 each."""
-    off = TOTAL_TIME | {"degree": [TOTAL_TIME["degree"][0], TOTAL_TIME["degree"][1] | {"price": 4}]}
+    off = PRICES | {"degree": [PRICES["degree"][0], PRICES["degree"][1] | {"price": 4}]}
     assert proved(corridor, off) == 6
 
 
