@@ -14,7 +14,8 @@ With ``y`` for visits, ``e`` for edges, ``f`` and ``l`` for first and last victi
 The most violated subtour cut for v is a minimum cut between v and both ends of the route; the most
 violated path cut one between the two ends. Victims are taken by falling y: once v's minimum cut is
 known, v may be contracted into the ends, for every set with v in it has been looked at and no later
-vertex asks for more. So few and ever smaller flows suffice for an exact separation.
+vertex asks for more. Victims that need not be parted are merged first (`min_cut`). So few and ever
+smaller flows suffice for an exact separation.
 
 Source: generalised subtour elimination, Fischetti, Salazar González and Toth, Operations Research 45
 (1997), section 3; the contraction as in Padberg and Rinaldi, Mathematical Programming 47 (1990).
@@ -25,13 +26,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components, maximum_flow
 
 from ..formulation import Bools, Floats, Ints
+from .min_cut import capacities, components, merged, sides
 
-_SCALE = 1e7
-"""Flows are computed on integers; 32 bits hold all edges of a vertex at this scale."""
+_TINY = 1e-9
 
 
 @dataclass(frozen=True)
@@ -82,15 +81,68 @@ def separate(support: Support, *, tolerance: float = 1e-6) -> list[Cut]:
     The point must satisfy the degree rows. Cheap cuts first (single victims and components of the
     support graph); flows only where those find nothing.
     """
+    graph = _Graph.of(support)
     found = {
         cut: violation
-        for cut in [*_singles(support, tolerance), *_components(support)]
+        for cut in dict.fromkeys([*_singles(support, tolerance), *_components(graph)])
         if (violation := support.violation(cut)) > tolerance
     }
     if not found:
-        cuts = [*_path_cuts(support), *_subtours(support, tolerance)]
+        cuts = [*_path_cuts(graph), *_subtours(graph, tolerance)]
         found = {cut: v for cut in cuts if (v := support.violation(cut)) > tolerance}
     return sorted(found, key=lambda cut: -found[cut])
+
+
+@dataclass(frozen=True, eq=False)
+class _Graph:
+    """The support graph: groups of victims that no cut needs to part, then the route's two ends."""
+
+    support: Support
+    weight: Floats
+    """Of edges, ``(n_groups + 2, n_groups + 2)``, symmetric."""
+    visit: Floats
+    """The most of any victim of a group, ``(n_groups,)``."""
+    group: Ints
+    """Of each victim, ``(n_victims,)``; -1 where nobody goes."""
+
+    @classmethod
+    def of(cls, support: Support) -> _Graph:
+        seen = np.flatnonzero(support.visit > _TINY)
+        n = len(seen)
+        place = np.full(len(support.visit), -1)
+        place[seen] = np.arange(n)
+        tail, head = place[support.tail], place[support.head]
+        both = (tail >= 0) & (head >= 0)
+        weight = np.zeros((n + 2, n + 2))
+        weight[tail[both], head[both]] = support.weight[both]
+        weight[:n, n], weight[:n, n + 1] = support.first[seen], support.last[seen]
+        weight, visit, group = merged(weight + weight.T, support.visit[seen])
+        place[seen] = group
+        return cls(support, weight, visit, place)
+
+    @property
+    def n_groups(self) -> int:
+        """Number of groups."""
+        return len(self.visit)
+
+    def victims(self, inside: Bools) -> tuple[int, ...]:
+        """The victims of the groups `inside`, ``(n_groups,)``, in order."""
+        # Nobody's group is -1: the last one, which is outside.
+        return tuple(np.flatnonzero(np.append(inside, False)[self.group]).tolist())
+
+    def around(self, inside: Bools) -> list[Cut]:
+        """The subtour cut of some groups, in its sparser form, and the two path cuts."""
+        members = self.victims(inside)
+        if not members:
+            return []
+        robot, visit = self.support.robot, self.support.visit
+        vertex = max(members, key=lambda v: (visit[v], -v))
+        outside = self.victims(~inside)
+        if len(members) <= len(outside) + 2:
+            subtour = Cut(robot, members, vertex=vertex)
+        else:
+            subtour = Cut(robot, outside, first=True, last=True, vertex=vertex)
+        return [subtour, Cut(robot, members, first=True), Cut(robot, members, last=True)]
 
 
 def _singles(support: Support, tolerance: float) -> list[Cut]:
@@ -112,96 +164,53 @@ def _singles(support: Support, tolerance: float) -> list[Cut]:
     return cuts
 
 
-def _components(support: Support) -> list[Cut]:
+def _components(graph: _Graph) -> list[Cut]:
     """Cuts from components of the support graph, at a few thresholds of edge weight."""
-    n = len(support.visit)
+    n = graph.n_groups
+    inner = graph.weight[:n, :n]
     cuts: list[Cut] = []
-    for threshold in (1e-9, 0.3, 0.6):
-        strong = support.weight > threshold
-        graph = coo_array(
-            (np.ones(int(strong.sum())), (support.tail[strong], support.head[strong])), shape=(n, n)
-        )
-        _, label = connected_components(graph, directed=False)
-        for component in np.flatnonzero(np.bincount(label) > 1):
-            cuts.extend(_around(support, label == component))
+    for threshold in (_TINY, 0.3, 0.6):
+        label = components(inner > threshold)
+        for component in np.unique(label):
+            inside = label == component
+            # Of single victims all is known.
+            if len(graph.victims(inside)) > 1:
+                cuts.extend(graph.around(inside))
     return cuts
 
 
-def _around(support: Support, inside: Bools) -> list[Cut]:
-    """The subtour cut of a set, in its sparser form, and the two path cuts."""
-    seen = support.visit > 1e-9
-    inside = inside & seen
-    members = tuple(np.flatnonzero(inside).tolist())
-    if not members:
-        return []
-    robot = support.robot
-    vertex = int(np.argmax(np.where(inside, support.visit, -1.0)))
-    outside = tuple(np.flatnonzero(seen & ~inside).tolist())
-    if len(members) <= len(outside) + 2:
-        subtour = Cut(robot, members, vertex=vertex)
-    else:
-        subtour = Cut(robot, outside, first=True, last=True, vertex=vertex)
-    return [subtour, Cut(robot, members, first=True), Cut(robot, members, last=True)]
-
-
-def _path_cuts(support: Support) -> list[Cut]:
+def _path_cuts(graph: _Graph) -> list[Cut]:
     """The most violated path cut, on the smaller of its two sides."""
-    n = len(support.visit)
-    own = np.arange(n)
-    start, end = np.full(n, n), np.full(n, n + 1)
-    tail = np.concatenate([support.tail, start, own])
-    head = np.concatenate([support.head, own, end])
-    weight = np.concatenate([support.weight, support.first, support.last])
-    near, far = _sides(tail, head, weight, n + 2, n, n + 1)
-    seen = support.visit > 1e-9
+    n = graph.n_groups
+    near, far = sides(capacities(graph.weight), n, n + 1)
+    robot = graph.support.robot
     return [
-        Cut(support.robot, tuple(np.flatnonzero(side[:n] & seen).tolist()), **ends)
-        for side, ends in (
-            (near, {"first": True}),
-            (far, {"last": True}),
-        )
+        Cut(robot, graph.victims(near[:n]), first=True),
+        Cut(robot, graph.victims(far[:n]), last=True),
     ]
 
 
-def _subtours(support: Support, tolerance: float) -> list[Cut]:
-    """The most violated subtour cut of each vertex, by falling y, contracting as it goes."""
-    n = len(support.visit)
+def _subtours(graph: _Graph, tolerance: float) -> list[Cut]:
+    """The most violated subtour cut of each group, by falling y, contracting as it goes."""
+    n = graph.n_groups
+    capacity = capacities(graph.weight)
+    # Both ends of the route are one vertex.
     ends = n
-    place = np.arange(n + 1)
-    tail = np.concatenate([support.tail, np.arange(n)])
-    head = np.concatenate([support.head, np.full(n, ends)])
-    weight = np.concatenate([support.weight, support.first + support.last])
+    _contract(capacity, n + 1, ends)
     cuts: list[Cut] = []
-    for v in np.argsort(-support.visit, kind="stable"):
-        if support.visit[v] <= tolerance:
+    for v in np.argsort(-graph.visit, kind="stable"):
+        if graph.visit[v] <= tolerance:
             break
-        a, b = place[tail], place[head]
-        left = (a != b) & (weight > 1e-12)
-        a, b, w = a[left], b[left], weight[left]
-        at_v = (a == v) | (b == v)
-        beside = np.where(a[at_v] == v, b[at_v], a[at_v])
-        if not (beside == ends).all():
-            near, _ = _sides(a, b, w, n + 1, int(v), ends)
-            cuts.append(_around(support, near[:n])[0])
-        place[v] = ends
+        if capacity[v, :n].any():
+            near, _ = sides(capacity, int(v), ends)
+            cuts.append(graph.around(near[:n])[0])
+        _contract(capacity, int(v), ends)
     return cuts
 
 
-def _sides(
-    tail: Ints, head: Ints, weight: Floats, n: int, source: int, sink: int
-) -> tuple[Bools, Bools]:
-    """Vertices on the source's side of the first, and on the sink's of the last minimum cut."""
-    scaled = np.round(weight * _SCALE).astype(np.int32)
-    both = (
-        np.concatenate([scaled, scaled]),
-        (np.concatenate([tail, head]), np.concatenate([head, tail])),
-    )
-    capacity = csr_array(coo_array(both, shape=(n, n)))
-    flow = maximum_flow(capacity, source, sink).flow
-    rest = csr_array(capacity - flow)
-    rest.data[rest.data < 0] = 0
-    rest.eliminate_zeros()
-    near, far = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
-    near[breadth_first_order(rest, source, return_predecessors=False)] = True
-    far[breadth_first_order(csr_array(rest.T), sink, return_predecessors=False)] = True
-    return near, far
+def _contract(capacity: Ints, vertex: int, into: int) -> None:
+    """Make `vertex` part of another, in place."""
+    capacity[into] += capacity[vertex]
+    capacity[:, into] += capacity[:, vertex]
+    capacity[into, into] = 0
+    capacity[vertex], capacity[:, vertex] = 0, 0

@@ -1,9 +1,9 @@
 r"""The strong method: an answer and a bound that close in on each other.
 
 1. The cutting-plane relaxation (`relaxation`) bounds from below.
-2. The columns of its points and of the incumbent, few as they are, make a small integer program whose
-   solution is mostly much better than the incumbent. Where it is too hard, the same method improves
-   some robots' routes at a time (`parts`).
+2. Better answers: local search where the relaxation goes; the integer program on the few columns of
+   its points and of the incumbent, whose solution is mostly much better than that; then with ever more
+   of the cheap columns. Where these are too hard, the same method on some robots at a time (`parts`).
 3. Reduced costs fix most columns (`fixing`).
 4. Branch and cut (`branch_and_cut`, or `resolve` without SCIP) on the rest, for better answers only.
 
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol
@@ -37,10 +38,12 @@ from .tree import Tree
 
 NEAR = 0.005
 """Gap up to which trees are left to themselves."""
-POLISH, RESTRICTED, PARTS = 0.2, 0.25, 0.6
+POLISH, RESTRICTED, WIDENED, PARTS = 0.2, 0.3, 0.4, 0.5
 """Shares of the time left, for what looks for better answers before the tree."""
+WIDTHS = (0.0, 1 / 16, 1 / 8, 1 / 4, 1 / 2)
+"""Reduced costs up to which small programs take columns in, as shares of what is open."""
 MANY_ROBOTS = 6
-"""From which on it pays to take some at a time."""
+"""From which on it pays to look long for better answers, before the tree."""
 LONGEST_POLISH = 30.0
 """Seconds of local search at a time."""
 _TINY = 1e-6
@@ -177,22 +180,24 @@ class _Run(Progress):
         self.columns = Columns.of(data, objective, self.value)
         self.relaxed: Relaxed | None = None
         self.seen = np.zeros(self.columns.n_columns, dtype=bool)
+        self.solved = False
+        """Whether the last small program was."""
         self.raise_bound(combinatorial_bound(data, objective), "combinatorial")
 
-    def close_in(self, *, by_parts: bool = True) -> None:
-        """Close in from both sides until done."""
+    def close_in(self, *, whole: bool = True) -> None:
+        """Close in from both sides until done; `whole`, if this is no part of another run."""
         if self.done():
             return
         relaxed = self.relax()
-        if not self.near() and not self.done():
-            self.polish(relaxed)
-        # Where this program is solved, as a rule the whole one soon is.
-        solved = self.done() or self.restricted(relaxed)
-        many = by_parts and self.data.n_robots >= MANY_ROBOTS
-        if many and not solved and not self.done():
-            self.parts(relaxed)
-        if not self.done():
-            self.branch(relaxed)
+        many = whole and self.data.n_robots >= MANY_ROBOTS
+        for step in (
+            self.polish,
+            self.restricted,
+            *((self.widened, self.parts) if many else ()),
+            self.branch,
+        ):
+            if not self.done():
+                step(relaxed)
 
     def relax(self) -> Relaxed:
         """The root bound."""
@@ -207,17 +212,29 @@ class _Run(Progress):
         self.seen = relaxation.seen
         return self.relaxed
 
-    def restricted(self, relaxed: Relaxed) -> bool:
-        """The integer program on the columns that the relaxation or the incumbent used.
+    def restricted(self, relaxed: Relaxed) -> None:
+        """The integer program on the columns that the relaxation or the incumbent used."""
+        self.on_few(relaxed, -math.inf, RESTRICTED * self.left())
 
-        Returns whether it was solved in its share of the time.
-        """
-        used = self.seen | (self.columns.point(self.routes) > 0)
+    def widened(self, relaxed: Relaxed) -> None:
+        """The same with columns of small reduced costs, ever more as long as it is solved."""
+        until = time.monotonic() + WIDENED * self.left()
+        for share in WIDTHS:
+            most = share * (self.value - relaxed.bound)
+            self.on_few(relaxed, most, until - time.monotonic())
+            if self.done() or not self.solved:
+                break
+
+    def on_few(self, relaxed: Relaxed, most: float, seconds: float) -> None:
+        """Branch and cut on the columns in use, and on those of reduced costs up to `most`."""
+        used = self.seen | (self.columns.point(self.routes) > 0) | (relaxed.reduced <= most)
         upper = np.where(used, self.columns.upper, 0.0)
-        return self.search(relaxed, upper, self.value, seconds=RESTRICTED * self.left()).complete
+        self.solved = self.search(relaxed, upper, self.value, seconds=seconds).complete
 
     def parts(self, relaxed: Relaxed) -> None:
-        """The strong method on some robots at a time."""
+        """The strong method on some robots at a time, unless the whole soon is solved."""
+        if self.solved:
+            return
         visit = np.zeros(self.data.can_visit.shape)
         # Points of linear programs are a hair below their bounds at times.
         visit[tuple(self.columns.pairs.T)] = np.maximum(relaxed.point[: self.columns.n_pairs], 0.0)
@@ -226,7 +243,7 @@ class _Run(Progress):
 
         def solve(part: RoutingData, routes: Routes, seconds: float) -> Routes:
             run = _Run(part, self.objective, routes, seconds, 0.0, self.seed, None, self.done)
-            run.close_in(by_parts=False)
+            run.close_in(whole=False)
             return run.routes
 
         improve_by_parts(
@@ -246,11 +263,13 @@ class _Run(Progress):
         return self.open() <= NEAR
 
     def polish(self, relaxed: Relaxed) -> None:
-        """Local search on the incumbent.
+        """Local search on the incumbent, unless so little is open that trees are of more use.
 
         Robots go only where the relaxation or the incumbent has them go: there are few better places,
         and the search is lost among the others.
         """
+        if self.near():
+            return
         visited = self.columns.point(self.routes)[: self.columns.n_pairs] > 0
         visited |= relaxed.point[: self.columns.n_pairs] > _TINY
         goes = np.zeros_like(self.data.can_visit)
