@@ -220,10 +220,10 @@ class _Run(Progress):
         """The same with columns of small reduced costs, ever more as long as it is solved."""
         until = time.monotonic() + WIDENED * self.left()
         for share in WIDTHS:
-            most = share * (self.value - relaxed.bound)
-            self.on_few(relaxed, most, until - time.monotonic())
             if self.done() or not self.solved:
                 break
+            most = share * (self.value - relaxed.bound)
+            self.on_few(relaxed, most, until - time.monotonic())
 
     def on_few(self, relaxed: Relaxed, most: float, seconds: float) -> None:
         """Branch and cut on the columns in use, and on those of reduced costs up to `most`."""
