@@ -3,7 +3,8 @@ r"""The strong method: an answer and a bound that close in on each other.
 1. The cutting-plane relaxation (`relaxation`) bounds from below.
 2. Better answers: local search where the relaxation goes; the integer program on the few columns of
    its points and of the incumbent, whose solution is mostly much better than that; then with ever more
-   of the cheap columns. Where these are too hard, the same method on some robots at a time (`parts`).
+   of the cheap columns. Where these are too hard, the same method on some robots at a time (`parts`),
+   after which they may be easier.
 3. Reduced costs fix most columns (`fixing`).
 4. Branch and cut (`branch_and_cut`, or `resolve` without SCIP) on the rest, for better answers only.
 
@@ -31,17 +32,19 @@ from .fixing import fixed
 from .grain import granularity
 from .local_search import improve
 from .narrow import Row, in_order, own_visits
-from .parts import improve_by_parts
-from .progress import Progress, Report
+from .parts import Known, improve_by_parts
+from .progress import ROUNDING, Progress, Report
 from .relaxation import Relaxation, Relaxed
 from .tree import Tree
 
 NEAR = 0.005
 """Gap up to which trees are left to themselves."""
-POLISH, RESTRICTED, WIDENED, PARTS = 0.2, 0.3, 0.4, 0.5
+POLISH, RESTRICTED, ALTERNATE = 0.2, 0.3, 0.9
 """Shares of the time left, for what looks for better answers before the tree."""
-WIDTHS = (0.0, 1 / 16, 1 / 8, 1 / 4, 1 / 2)
-"""Reduced costs up to which small programs take columns in, as shares of what is open."""
+TURN, EASY = 0.35, 0.2
+"""Share of the time for small programs and parts that each of them may take of what is left of it."""
+WIDTHS = (-math.inf, 0.0, 1 / 16, 1 / 8, 1 / 4, 1 / 2)
+"""Reduced costs up to which small programs take columns in, as shares of what is open; first none."""
 MANY_ROBOTS = 6
 """From which on it pays to look long for better answers, before the tree."""
 LONGEST_POLISH = 30.0
@@ -180,8 +183,7 @@ class _Run(Progress):
         self.columns = Columns.of(data, objective, self.value)
         self.relaxed: Relaxed | None = None
         self.seen = np.zeros(self.columns.n_columns, dtype=bool)
-        self.solved = False
-        """Whether the last small program was."""
+        self.known: Known = {}
         self.raise_bound(combinatorial_bound(data, objective), "combinatorial")
 
     def close_in(self, *, whole: bool = True) -> None:
@@ -190,12 +192,7 @@ class _Run(Progress):
             return
         relaxed = self.relax()
         many = whole and self.data.n_robots >= MANY_ROBOTS
-        for step in (
-            self.polish,
-            self.restricted,
-            *((self.widened, self.parts) if many else ()),
-            self.branch,
-        ):
+        for step in (self.polish, self.alternate if many else self.restricted, self.branch):
             if not self.done():
                 step(relaxed)
 
@@ -214,35 +211,47 @@ class _Run(Progress):
 
     def restricted(self, relaxed: Relaxed) -> None:
         """The integer program on the columns that the relaxation or the incumbent used."""
-        self.on_few(relaxed, -math.inf, RESTRICTED * self.left())
+        self.on_few(relaxed, RESTRICTED * self.left(), WIDTHS[0])
 
-    def widened(self, relaxed: Relaxed) -> None:
-        """The same with columns of small reduced costs, ever more as long as it is solved."""
-        until = time.monotonic() + WIDENED * self.left()
-        for share in WIDTHS:
-            if self.done() or not self.solved:
-                break
-            most = share * (self.value - relaxed.bound)
-            self.on_few(relaxed, most, until - time.monotonic())
+    def alternate(self, relaxed: Relaxed) -> None:
+        """Small programs, and parts where they are too hard, as long as answers get better."""
+        until = time.monotonic() + ALTERNATE * self.left()
 
-    def on_few(self, relaxed: Relaxed, most: float, seconds: float) -> None:
-        """Branch and cut on the columns in use, and on those of reduced costs up to `most`."""
-        used = self.seen | (self.columns.point(self.routes) > 0) | (relaxed.reduced <= most)
+        def left() -> float:
+            return until - time.monotonic()
+
+        widths = list(WIDTHS)
+        while widths and left() > 0 and not self.done():
+            before, seconds = left(), TURN * left()
+            solved = self.on_few(relaxed, seconds, widths[0])
+            if solved:
+                widths.pop(0)
+                if before - left() < EASY * seconds:
+                    continue
+            worth = self.value
+            self.parts(relaxed, TURN * left())
+            if not solved and self.value > worth - ROUNDING:
+                self.parts(relaxed, left())
+
+    def on_few(self, relaxed: Relaxed, seconds: float, width: float) -> bool:
+        """Branch and cut on the columns in use and on cheap ones; returns whether it was solved."""
+        if self.done():
+            return False
+        used = self.seen | (self.columns.point(self.routes) > 0)
+        used |= relaxed.reduced <= width * (self.value - relaxed.bound)
         upper = np.where(used, self.columns.upper, 0.0)
-        self.solved = self.search(relaxed, upper, self.value, seconds=seconds).complete
+        return self.search(relaxed, upper, self.value, seconds=seconds).complete
 
-    def parts(self, relaxed: Relaxed) -> None:
-        """The strong method on some robots at a time, unless the whole soon is solved."""
-        if self.solved:
-            return
+    def parts(self, relaxed: Relaxed, seconds: float) -> None:
+        """The strong method on some robots at a time."""
         visit = np.zeros(self.data.can_visit.shape)
         # Points of linear programs are a hair below their bounds at times.
         visit[tuple(self.columns.pairs.T)] = np.maximum(relaxed.point[: self.columns.n_pairs], 0.0)
         split = np.minimum(visit[:, None], visit[None]).sum(axis=2)
         np.fill_diagonal(split, 0.0)
 
-        def solve(part: RoutingData, routes: Routes, seconds: float) -> Routes:
-            run = _Run(part, self.objective, routes, seconds, 0.0, self.seed, None, self.done)
+        def solve(part: RoutingData, routes: Routes, limit: float) -> Routes:
+            run = _Run(part, self.objective, routes, limit, 0.0, self.seed, None, self.done)
             run.close_in(whole=False)
             return run.routes
 
@@ -252,8 +261,9 @@ class _Run(Progress):
             self.routes,
             split,
             solve,
-            seconds=PARTS * self.left(),
+            seconds=seconds,
             seed=self.seed,
+            known=self.known,
             improved=self.offer,
             should_stop=self.done,
         )

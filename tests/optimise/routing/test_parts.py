@@ -178,5 +178,5 @@ def test_a_point_a_hair_below_its_bounds_is_drawn_from_all_the_same() -> None:
     routes = first_come(data)
     run = _Run(data, "total_time", routes, 20.0, 0.0, 0, None, None)
     relaxed = run.relax()
-    run.parts(replace(relaxed, point=relaxed.point - 1e-9))
+    run.parts(replace(relaxed, point=relaxed.point - 1e-9), seconds=20.0)
     assert value(data, run.routes, "total_time") < value(data, routes, "total_time")
