@@ -107,6 +107,33 @@ def test_parts_grow_where_several_bring_nothing_and_none_comes_twice() -> None:
     assert len(drawn) == len(set(drawn))
 
 
+def test_what_was_not_bettered_is_not_tried_again_until_its_routes_are_others() -> None:
+    data = random_data(3, 6, 10, 16)
+    routes = improve(data, first_come(data), "makespan", iterations=200)
+    drawn: list[Routes] = []
+
+    def solve(part: RoutingData, own: Routes, seconds: float) -> Routes:
+        drawn.append(own)
+        return own
+
+    known: parts.Known = {}
+
+    def draw(routes: Routes) -> int:
+        drawn.clear()
+        improve_by_parts(
+            data, "total_time", routes, alike(6), solve, seconds=60, seed=1, known=known
+        )
+        return len(drawn)
+
+    first = draw(routes)
+    assert first == len(known) > 3
+    assert draw(routes) == 0
+    moved = list(routes)
+    turned = next(r for r in range(6) if len(routes[r]) > 1)
+    moved[turned] = routes[turned][::-1]
+    assert 0 < draw(tuple(moved)) < first
+
+
 def test_robots_that_have_much_to_share_are_drawn_together() -> None:
     data = random_data(4, 12, 12, 20)
     split = np.zeros((12, 12))
@@ -171,6 +198,28 @@ def test_few_robots_have_no_parts() -> None:
         improve_by_parts(data, "total_time", routes, alike(3), proven("total_time"), seconds=9)
         == routes
     )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_many_robots_come_to_the_same_with_parts_and_small_programs_as_without(seed: int) -> None:
+    data = random_data(seed, 7, 9, 14)
+    worth = []
+    for whole in (True, False):
+        run = _Run(data, "total_time", first_come(data), 60.0, 0.0, seed, None, None)
+        run.close_in(whole=whole)
+        assert faults(data, run.routes) == []
+        assert run.closed()
+        worth.append(run.value)
+    assert worth[0] == pytest.approx(worth[1])
+
+
+def test_taking_turns_ends_with_its_share_of_the_time() -> None:
+    data = random_data(9, 8, 30, 55)
+    run = _Run(data, "makespan", first_come(data), 4.0, 0.0, 0, None, None)
+    relaxed = run.relax()
+    run.alternate(relaxed)
+    assert run.spent() < 4.0 + 1.0
+    assert faults(data, run.routes) == []
 
 
 def test_a_point_a_hair_below_its_bounds_is_drawn_from_all_the_same() -> None:
