@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from support.joint_oracle import least
 
-from msmrta_opt.optimise.routing import parts
+from msmrta_opt.optimise.routing import parts, strong
 from msmrta_opt.optimise.routing.data import Objective, Routes, RoutingData, faults, times, value
 from msmrta_opt.optimise.routing.local_search import improve
 from msmrta_opt.optimise.routing.parts import improve_by_parts, part_of, put_back
+from msmrta_opt.optimise.routing.relaxation import Relaxed
 from msmrta_opt.optimise.routing.strong import _Run, strong_bound
 
 from .test_local_search import first_come, limited, random_data
@@ -200,17 +201,32 @@ def test_few_robots_have_no_parts() -> None:
     )
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_many_robots_come_to_the_same_with_parts_and_small_programs_as_without(seed: int) -> None:
-    data = random_data(seed, 7, 9, 14)
+def test_many_robots_come_to_the_same_by_turns_as_by_one_tree(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(strong, "EASY", 0.0)
+    data = random_data(1, 7, 14, 24)
+    took: list[str] = []
+
+    class Noted(_Run):
+        def on_few(self, relaxed: Relaxed, seconds: float, width: float) -> bool:
+            took.append("program")
+            return super().on_few(relaxed, seconds, width)
+
+        def parts(self, relaxed: Relaxed, seconds: float) -> None:
+            took.append("parts")
+            super().parts(relaxed, seconds)
+
     worth = []
     for whole in (True, False):
-        run = _Run(data, "total_time", first_come(data), 60.0, 0.0, seed, None, None)
+        run = Noted(data, "total_time", first_come(data), 60.0, 0.0, 1, None, None)
         run.close_in(whole=whole)
         assert faults(data, run.routes) == []
         assert run.closed()
         worth.append(run.value)
     assert worth[0] == pytest.approx(worth[1])
+    # Every program was solved, so parts came after each, until all widths were done.
+    assert took[:-1] == ["program", "parts"] * len(strong.WIDTHS)
 
 
 def test_taking_turns_ends_with_its_share_of_the_time() -> None:
@@ -218,7 +234,7 @@ def test_taking_turns_ends_with_its_share_of_the_time() -> None:
     run = _Run(data, "makespan", first_come(data), 4.0, 0.0, 0, None, None)
     relaxed = run.relax()
     run.alternate(relaxed)
-    assert run.spent() < 4.0 + 1.0
+    assert run.spent() < 4.0 + 5.0
     assert faults(data, run.routes) == []
 
 
