@@ -21,8 +21,6 @@ from .data import Objective, Routes, RoutingData, times, value
 
 Solve = Callable[[RoutingData, Routes, float], Routes]
 """Better routes of a joint problem, given some, within seconds."""
-Known = dict[frozenset[int], Routes]
-"""Robots, in order, and the routes of theirs that were not bettered."""
 
 FEWEST, MOST = 3, 7
 """Robots of a part, to begin with and at last."""
@@ -44,7 +42,6 @@ def improve_by_parts(
     *,
     seconds: float,
     seed: int = 0,
-    known: Known | None = None,
     improved: Callable[[Routes], object] = lambda routes: None,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Routes:
@@ -66,8 +63,6 @@ def improve_by_parts(
         Wall time to spend.
     seed : int
         Of the draws.
-    known : dict, optional
-        What earlier calls learned, to go on from there; added to.
     improved : callable
         Called with routes whenever some part of them got better.
     should_stop : callable
@@ -75,7 +70,7 @@ def improve_by_parts(
     """
     rng = random.Random(seed)
     until = time.monotonic() + seconds
-    known = {} if known is None else known
+    known: set[frozenset[int]] = set()
     size, in_vain = FEWEST, 0
     while size < min(MOST + 1, data.n_robots) and not should_stop():
         left = until - time.monotonic()
@@ -87,15 +82,17 @@ def improve_by_parts(
         in_vain += 1
         first = _busiest(data, routes) if objective == "makespan" else None
         robots = _draw(split, size, rng, first)
-        theirs = frozenset(robots)
+        key = frozenset(robots)
         part, own, victims = part_of(data, routes, robots)
-        if known.get(theirs) == tuple(routes[r] for r in robots) or not victims:
+        if key in known or not victims:
             continue
+        known.add(key)
         found = solve(part, own, min(left, LONGEST, SHARE * seconds))
         if value(part, found, objective) < value(part, own, objective) - _BETTER:
             routes, in_vain = put_back(routes, robots, found, victims), 0
             improved(routes)
-        known[theirs] = tuple(routes[r] for r in robots)
+            # What was best beside the old routes need not be beside the new.
+            known = {other for other in known if not other & key} | {key}
     return routes
 
 

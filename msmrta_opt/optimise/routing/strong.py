@@ -3,8 +3,8 @@ r"""The strong method: an answer and a bound that close in on each other.
 1. The cutting-plane relaxation (`relaxation`) bounds from below.
 2. Better answers: local search where the relaxation goes; the integer program on the few columns of
    its points and of the incumbent, whose solution is mostly much better than that; then with ever more
-   of the cheap columns. Where these are too hard, the same method on some robots at a time (`parts`),
-   after which they may be easier.
+   of the cheap columns. Where that is too hard, some robots at a time (`parts`), then the victims of a
+   region at a time (`regions`).
 3. Reduced costs fix most columns (`fixing`).
 4. Branch and cut (`branch_and_cut`, or `resolve` without SCIP) on the rest, for better answers only.
 
@@ -23,7 +23,7 @@ from typing import Protocol
 import numpy as np
 
 from ...mission.errors import InputError
-from ..formulation import Floats
+from ..formulation import Bools, Floats
 from .bound import Bound
 from .columns import Columns
 from .cuts import Cut
@@ -32,17 +32,22 @@ from .fixing import fixed
 from .grain import granularity
 from .local_search import improve
 from .narrow import Row, in_order, own_visits
-from .parts import Known, improve_by_parts
-from .progress import ROUNDING, Progress, Report
+from .parts import improve_by_parts
+from .progress import Progress, Report
+from .regions import Regions
 from .relaxation import Relaxation, Relaxed
 from .tree import Tree
 
 NEAR = 0.005
 """Gap up to which trees are left to themselves."""
-POLISH, RESTRICTED, ALTERNATE = 0.2, 0.3, 0.9
+POLISH, RESTRICTED, SEEK = 0.2, 0.3, 0.85
 """Shares of the time left, for what looks for better answers before the tree."""
-TURN, EASY = 0.35, 0.2
-"""Share of the time for small programs and parts that each of them may take of what is left of it."""
+PROGRAM, PARTS = 0.4, 0.4
+"""Shares of what is left of the time to seek: for a small program, and for some robots at a time."""
+LONGEST_REGION, MOST_IN_VAIN = 5.0, 60
+"""Seconds for the program of a region; regions in a row that bring nothing, after which it is enough."""
+EASY = 0.2
+"""Share of its limit that an easy program takes at most."""
 WIDTHS = (-math.inf, 0.0, 1 / 16, 1 / 8, 1 / 4, 1 / 2)
 """Reduced costs up to which small programs take columns in, as shares of what is open; first none."""
 MANY_ROBOTS = 6
@@ -183,7 +188,6 @@ class _Run(Progress):
         self.columns = Columns.of(data, objective, self.value)
         self.relaxed: Relaxed | None = None
         self.seen = np.zeros(self.columns.n_columns, dtype=bool)
-        self.known: Known = {}
         self.raise_bound(combinatorial_bound(data, objective), "combinatorial")
 
     def close_in(self, *, whole: bool = True) -> None:
@@ -192,7 +196,7 @@ class _Run(Progress):
             return
         relaxed = self.relax()
         many = whole and self.data.n_robots >= MANY_ROBOTS
-        for step in (self.polish, self.alternate if many else self.restricted, self.branch):
+        for step in (self.polish, self.seek if many else self.restricted, self.branch):
             if not self.done():
                 step(relaxed)
 
@@ -213,36 +217,32 @@ class _Run(Progress):
         """The integer program on the columns that the relaxation or the incumbent used."""
         self.on_few(relaxed, RESTRICTED * self.left(), WIDTHS[0])
 
-    def alternate(self, relaxed: Relaxed) -> None:
-        """Small programs, and parts where they are too hard, as long as answers get better."""
-        until = time.monotonic() + ALTERNATE * self.left()
-
-        def left() -> float:
-            return until - time.monotonic()
-
-        widths = list(WIDTHS)
-        while widths and left() > 0 and not self.done():
-            before, seconds = left(), TURN * left()
-            solved = self.on_few(relaxed, seconds, widths[0])
-            if solved:
-                widths.pop(0)
-                if before - left() < EASY * seconds:
-                    continue
-            worth = self.value
-            self.parts(relaxed, TURN * left())
-            if not solved and self.value > worth - ROUNDING:
-                self.parts(relaxed, left())
+    def seek(self, relaxed: Relaxed) -> None:
+        """Small programs, with ever more columns as long as they are easy; else in pieces."""
+        until = time.monotonic() + SEEK * self.left()
+        for width in WIDTHS:
+            began = time.monotonic()
+            seconds = PROGRAM * (until - began)
+            solved = self.on_few(relaxed, seconds, width)
+            if not solved or time.monotonic() - began > EASY * seconds:
+                self.by_robots(relaxed, PARTS * (until - time.monotonic()))
+                self.by_regions(relaxed, until)
+                break
 
     def on_few(self, relaxed: Relaxed, seconds: float, width: float) -> bool:
         """Branch and cut on the columns in use and on cheap ones; returns whether it was solved."""
-        if self.done():
-            return False
         used = self.seen | (self.columns.point(self.routes) > 0)
         used |= relaxed.reduced <= width * (self.value - relaxed.bound)
+        return self.on(used, relaxed, seconds)
+
+    def on(self, used: Bools, relaxed: Relaxed, seconds: float) -> bool:
+        """Branch and cut on some columns; returns whether it was solved."""
+        if self.done():
+            return False
         upper = np.where(used, self.columns.upper, 0.0)
         return self.search(relaxed, upper, self.value, seconds=seconds).complete
 
-    def parts(self, relaxed: Relaxed, seconds: float) -> None:
+    def by_robots(self, relaxed: Relaxed, seconds: float) -> None:
         """The strong method on some robots at a time."""
         visit = np.zeros(self.data.can_visit.shape)
         # Points of linear programs are a hair below their bounds at times.
@@ -263,10 +263,25 @@ class _Run(Progress):
             solve,
             seconds=seconds,
             seed=self.seed,
-            known=self.known,
             improved=self.offer,
             should_stop=self.done,
         )
+
+    def by_regions(self, relaxed: Relaxed, until: float) -> None:
+        """The program of a region at a time, until then, or until many in a row brought nothing."""
+        regions = Regions(self.columns, relaxed.point, self.seed)
+        in_vain = 0
+        while in_vain < MOST_IN_VAIN and not (self.done() or regions.exhausted):
+            began, worth = time.monotonic(), self.value
+            if began >= until:
+                break
+            used = regions.draw() | (self.columns.point(self.routes) > 0)
+            solved = self.on(used, relaxed, min(LONGEST_REGION, until - began))
+            in_vain = 0 if self.value < worth else in_vain + 1
+            if not solved:
+                regions.shrink()
+            elif time.monotonic() - began < EASY * LONGEST_REGION:
+                regions.grow()
 
     def near(self) -> bool:
         """Whether so little is open that local search is of no more use than a tree."""

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 from support.joint_oracle import least
 
-from msmrta_opt.optimise.routing import parts, strong
+from msmrta_opt.optimise.routing import parts
 from msmrta_opt.optimise.routing.data import Objective, Routes, RoutingData, faults, times, value
 from msmrta_opt.optimise.routing.local_search import improve
 from msmrta_opt.optimise.routing.parts import improve_by_parts, part_of, put_back
-from msmrta_opt.optimise.routing.relaxation import Relaxed
 from msmrta_opt.optimise.routing.strong import _Run, strong_bound
 
 from .test_local_search import first_come, limited, random_data
@@ -108,33 +107,6 @@ def test_parts_grow_where_several_bring_nothing_and_none_comes_twice() -> None:
     assert len(drawn) == len(set(drawn))
 
 
-def test_what_was_not_bettered_is_not_tried_again_until_its_routes_are_others() -> None:
-    data = random_data(3, 6, 10, 16)
-    routes = improve(data, first_come(data), "makespan", iterations=200)
-    drawn: list[Routes] = []
-
-    def solve(part: RoutingData, own: Routes, seconds: float) -> Routes:
-        drawn.append(own)
-        return own
-
-    known: parts.Known = {}
-
-    def draw(routes: Routes) -> int:
-        drawn.clear()
-        improve_by_parts(
-            data, "total_time", routes, alike(6), solve, seconds=60, seed=1, known=known
-        )
-        return len(drawn)
-
-    first = draw(routes)
-    assert first == len(known) > 3
-    assert draw(routes) == 0
-    moved = list(routes)
-    turned = next(r for r in range(6) if len(routes[r]) > 1)
-    moved[turned] = routes[turned][::-1]
-    assert 0 < draw(tuple(moved)) < first
-
-
 def test_robots_that_have_much_to_share_are_drawn_together() -> None:
     data = random_data(4, 12, 12, 20)
     split = np.zeros((12, 12))
@@ -201,47 +173,10 @@ def test_few_robots_have_no_parts() -> None:
     )
 
 
-def test_many_robots_come_to_the_same_by_turns_as_by_one_tree(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(strong, "EASY", 0.0)
-    data = random_data(1, 7, 14, 24)
-    took: list[str] = []
-
-    class Noted(_Run):
-        def on_few(self, relaxed: Relaxed, seconds: float, width: float) -> bool:
-            took.append("program")
-            return super().on_few(relaxed, seconds, width)
-
-        def parts(self, relaxed: Relaxed, seconds: float) -> None:
-            took.append("parts")
-            super().parts(relaxed, seconds)
-
-    worth = []
-    for whole in (True, False):
-        run = Noted(data, "total_time", first_come(data), 60.0, 0.0, 1, None, None)
-        run.close_in(whole=whole)
-        assert faults(data, run.routes) == []
-        assert run.closed()
-        worth.append(run.value)
-    assert worth[0] == pytest.approx(worth[1])
-    # Every program was solved, so parts came after each, until all widths were done.
-    assert took[:-1] == ["program", "parts"] * len(strong.WIDTHS)
-
-
-def test_taking_turns_ends_with_its_share_of_the_time() -> None:
-    data = random_data(9, 8, 30, 55)
-    run = _Run(data, "makespan", first_come(data), 4.0, 0.0, 0, None, None)
-    relaxed = run.relax()
-    run.alternate(relaxed)
-    assert run.spent() < 4.0 + 5.0
-    assert faults(data, run.routes) == []
-
-
 def test_a_point_a_hair_below_its_bounds_is_drawn_from_all_the_same() -> None:
     data = random_data(8, 7, 12, 20)
     routes = first_come(data)
     run = _Run(data, "total_time", routes, 20.0, 0.0, 0, None, None)
     relaxed = run.relax()
-    run.parts(replace(relaxed, point=relaxed.point - 1e-9), seconds=20.0)
+    run.by_robots(replace(relaxed, point=relaxed.point - 1e-9), seconds=20.0)
     assert value(data, run.routes, "total_time") < value(data, routes, "total_time")
