@@ -52,8 +52,8 @@ WIDTHS = (-math.inf, 0.0, 1 / 16, 1 / 8, 1 / 4, 1 / 2)
 """Reduced costs up to which small programs take columns in, as shares of what is open; first none."""
 MANY_ROBOTS = 6
 """From which on it pays to look long for better answers, before the tree."""
-LONGEST_POLISH = 30.0
-"""Seconds of local search at a time."""
+LONGEST_POLISH, LONGEST_SEEK = 30.0, 60.0
+"""Seconds of local search at a time, and of small programs: by then little more is found."""
 _TINY = 1e-6
 
 
@@ -219,7 +219,7 @@ class _Run(Progress):
 
     def seek(self, relaxed: Relaxed) -> None:
         """Small programs, with ever more columns as long as they are easy; else in pieces."""
-        until = time.monotonic() + SEEK * self.left()
+        until = time.monotonic() + min(SEEK * self.left(), LONGEST_SEEK)
         for width in WIDTHS:
             began = time.monotonic()
             seconds = PROGRAM * (until - began)
