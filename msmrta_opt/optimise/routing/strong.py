@@ -44,7 +44,7 @@ POLISH, RESTRICTED, SEEK = 0.2, 0.3, 0.85
 """Shares of the time left, for what looks for better answers before the tree."""
 PROGRAM, PARTS = 0.4, 0.4
 """Shares of what is left of the time to seek: for a small program, and for some robots at a time."""
-LONGEST_REGION, MOST_IN_VAIN = 5.0, 60
+LONGEST_REGION, MOST_IN_VAIN = 5.0, 25
 """Seconds for the program of a region; regions in a row that bring nothing, after which it is enough."""
 EASY = 0.2
 """Share of its limit that an easy program takes at most."""
