@@ -325,12 +325,21 @@ class Columns:
         total = np.bincount(where, weights=weight, minlength=len(unique))
         return unique[total != 0], total[total != 0]
 
+    @cached_property
+    def _service_place(self) -> dict[tuple[int, int], int]:
+        """Which service a pair and a kind are."""
+        return {(pair, kind): n for n, (pair, kind) in enumerate(self.services.tolist())}
+
+    @cached_property
+    def _edge_place(self) -> dict[tuple[int, int, int], int]:
+        """Which edge a robot and two victims are."""
+        return {(r, i, j): n for n, (r, i, j) in enumerate(self.edges.tolist())}
+
     def point(self, routes: Routes) -> Floats:
         """The columns' values on `routes`, ``(n_columns,)``."""
         x = np.zeros(self.n_columns)
         y, f, last, a, e = (self.start(name) for name in "yflae")
-        service = {(int(p), int(k)): s for s, (p, k) in enumerate(self.services)}
-        edge = {(int(r), int(i), int(j)): n for n, (r, i, j) in enumerate(self.edges)}
+        service, edge = self._service_place, self._edge_place
         for r, route in enumerate(routes):
             for (v, kinds), onward in zip(route, [*route[1:], None], strict=False):
                 pair = int(self.pair_of[r, v])

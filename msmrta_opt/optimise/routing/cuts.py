@@ -131,9 +131,12 @@ class _Graph:
         return tuple(np.flatnonzero(np.append(inside, False)[self.group]).tolist())
 
     def around(self, inside: Bools) -> list[Cut]:
-        """The subtour cut of some groups, in its sparser form, and the two path cuts."""
+        """The subtour cut of some groups, in its sparser form, and the two path cuts.
+
+        None of a single victim: `_singles` knows all of these that may be violated.
+        """
         members = self.victims(inside)
-        if not members:
+        if len(members) < 2:
             return []
         robot, visit = self.support.robot, self.support.visit
         vertex = max(members, key=lambda v: (visit[v], -v))
@@ -172,15 +175,12 @@ def _components(graph: _Graph) -> list[Cut]:
     for threshold in (_TINY, 0.3, 0.6):
         label = components(inner > threshold)
         for component in np.unique(label):
-            inside = label == component
-            # Of single victims all is known.
-            if len(graph.victims(inside)) > 1:
-                cuts.extend(graph.around(inside))
+            cuts.extend(graph.around(label == component))
     return cuts
 
 
 def _path_cuts(graph: _Graph) -> list[Cut]:
-    """The most violated path cut, on the smaller of its two sides."""
+    """The most violated path cuts: on the start's smallest side, and on the end's."""
     n = graph.n_groups
     near, far = sides(capacities(graph.weight), n, n + 1)
     robot = graph.support.robot
@@ -203,7 +203,7 @@ def _subtours(graph: _Graph, tolerance: float) -> list[Cut]:
             break
         if capacity[v, :n].any():
             near, _ = sides(capacity, int(v), ends)
-            cuts.append(graph.around(near[:n])[0])
+            cuts.extend(graph.around(near[:n])[:1])
         _contract(capacity, int(v), ends)
     return cuts
 

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..formulation import Bools, Floats, own_arrays, require_finite
+from ..formulation import Bools, Floats, Ints, own_arrays, require_finite
 
 Objective = Literal["total_time", "makespan", "latency"]
 Visit = tuple[int, tuple[int, ...]]
@@ -90,6 +90,13 @@ class RoutingData:
     def can_visit(self) -> Bools:
         """Whether r can serve something at v, ``(n_robots, n_victims)``."""
         return np.asarray(self.able.any(axis=2))
+
+    @cached_property
+    def nearest(self) -> dict[int, Ints]:
+        """The victims that need something, the nearest first, for each of them."""
+        needed = np.asarray(self.required.any(axis=1))
+        order = np.argsort(self.between.max(axis=0), axis=1, kind="stable")
+        return {int(v): order[v][needed[order[v]]] for v in np.flatnonzero(needed)}
 
     @property
     def total_service(self) -> float:

@@ -110,12 +110,8 @@ class _Search:
         self.endurance = data.endurance.tolist()
         self.longest_walk = data.longest_walk.tolist()
         self.priority = data.priority.tolist()
-        needed = sorted(set(self.victim))
-        far = data.between.max(axis=0)
-        self.near = {
-            v: [w for w in np.argsort(far[v], kind="stable") if self.needs[w]] for v in needed
-        }
-        self.needed = needed
+        self.near: dict[int, list[int]] = {v: near.tolist() for v, near in data.nearest.items()}
+        self.needed = sorted(self.near)
 
         self.routes = [[v for v, _ in route] for route in routes]
         self.who = [0] * len(required)

@@ -62,7 +62,10 @@ def merged(weight: Floats, visit: Floats) -> tuple[Floats, Floats, Ints]:
 
 
 def components(adjacent: Bools) -> Ints:
-    """The least vertex of each vertex's component, ``(n,)``; `adjacent` is symmetric."""
+    """The least vertex of each vertex's component, ``(n,)``; `adjacent` is symmetric.
+
+    At this size SciPy takes longer to convert the graph than this does to find them.
+    """
     label = np.arange(len(adjacent))
     while True:
         least = np.where(adjacent, label, len(label)).min(axis=1, initial=len(label))

@@ -38,32 +38,33 @@ class Regions:
 
     def __init__(self, columns: Columns, point: Floats, seed: int = 0) -> None:
         self.columns = columns
-        n = columns.data.n_victims
-        self.size = self.smallest = max(1.0, min(SMALLEST, SMALLEST_SHARE * n))
+        data = columns.data
+        self.n_victims = len(data.nearest)
+        """That need something."""
+        self.size = self.smallest = max(1.0, min(SMALLEST, SMALLEST_SHARE * self.n_victims))
         """Victims of a region, not rounded."""
         self._ends = _ends(columns)
-        self._near = np.argsort(columns.data.between.max(axis=0), axis=1, kind="stable")
         undecided = np.clip(np.minimum(point, 1.0 - point), 0.0, None)
-        weight = np.full(n + 1, _DECIDED)
+        weight = np.full(data.n_victims + 1, _DECIDED)
         # What has to do with no victim goes to the last place.
         np.add.at(weight, self._ends[:, 0], undecided)
         np.add.at(weight, self._ends[:, 1], undecided)
-        weight[:n][~columns.data.required.any(axis=1)] = 0.0
-        self._chance = weight[:n] / max(weight[:n].sum(), _DECIDED)
+        self._centres = np.array(list(data.nearest), dtype=np.int64)
+        self._chance = weight[self._centres] / weight[self._centres].sum()
         self._rng = np.random.default_rng(seed)
 
     @property
     def exhausted(self) -> bool:
         """Whether regions have outgrown the mission."""
-        return self.size > self.columns.data.n_victims
+        return self.size > self.n_victims
 
     def draw(self) -> Bools:
         """The columns between victims of a region, and those that have to do with none."""
-        n = self.columns.data.n_victims
-        centre = self._rng.choice(n, p=self._chance)
-        inside = np.zeros(n + 1, dtype=bool)
-        inside[self._near[centre, : round(self.size)]] = True
-        inside[[centre, n]] = True
+        data = self.columns.data
+        centre = int(self._rng.choice(self._centres, p=self._chance))
+        inside = np.zeros(data.n_victims + 1, dtype=bool)
+        inside[data.nearest[centre][: round(self.size)]] = True
+        inside[[centre, -1]] = True
         return np.asarray(inside[self._ends].all(axis=1))
 
     def grow(self) -> None:

@@ -18,6 +18,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -231,7 +232,7 @@ class _Run(Progress):
 
     def on_few(self, relaxed: Relaxed, seconds: float, width: float) -> bool:
         """Branch and cut on the columns in use and on cheap ones; returns whether it was solved."""
-        used = self.seen | (self.columns.point(self.routes) > 0)
+        used = self.seen | self.taken()
         used |= relaxed.reduced <= width * (self.value - relaxed.bound)
         return self.on(used, relaxed, seconds)
 
@@ -275,13 +276,22 @@ class _Run(Progress):
             began, worth = time.monotonic(), self.value
             if began >= until:
                 break
-            used = regions.draw() | (self.columns.point(self.routes) > 0)
+            used = regions.draw() | self.taken()
             solved = self.on(used, relaxed, min(LONGEST_REGION, until - began))
             in_vain = 0 if self.value < worth else in_vain + 1
             if not solved:
                 regions.shrink()
             elif time.monotonic() - began < EASY * LONGEST_REGION:
                 regions.grow()
+
+    @cached_property
+    def own_visits(self) -> list[Row]:
+        """Rows of every tree."""
+        return own_visits(self.columns)
+
+    def taken(self) -> Bools:
+        """The columns that the incumbent uses."""
+        return np.asarray(self.columns.point(self.routes) > 0)
 
     def near(self) -> bool:
         """Whether so little is open that local search is of no more use than a tree."""
@@ -295,7 +305,7 @@ class _Run(Progress):
         """
         if self.near():
             return
-        visited = self.columns.point(self.routes)[: self.columns.n_pairs] > 0
+        visited = self.taken()[: self.columns.n_pairs]
         visited |= relaxed.point[: self.columns.n_pairs] > _TINY
         goes = np.zeros_like(self.data.can_visit)
         goes[tuple(self.columns.pairs[visited].T)] = True
@@ -339,7 +349,7 @@ class _Run(Progress):
             seed=self.seed,
             improved=self.offer,
             go_on=go_on,
-            more=[*own_visits(self.columns), *more],
+            more=[*self.own_visits, *more],
         )
 
     def branch(self, relaxed: Relaxed) -> None:
