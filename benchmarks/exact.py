@@ -26,9 +26,9 @@ from pathlib import Path
 from typing import cast
 
 import msmrta_opt as mo
-from msmrta_opt.optimise.routing.bound import gap
-from msmrta_opt.optimise.routing.data import Objective, Routes
-from msmrta_opt.planners.improvement import OBJECTIVES
+from msmrta_opt.planners.support.improvement import OBJECTIVES
+from msmrta_opt.routing.bound import gap
+from msmrta_opt.routing.problem import Objective, Routes
 from msmrta_opt.studies.isolate import Failure, run_isolated
 
 INSTANCES = Path(__file__).parents[1] / "instances"

@@ -39,8 +39,8 @@ from msmrta_opt.mission.errors import InputError, SolverError
 from msmrta_opt.mission.files import read_text
 from msmrta_opt.mission.grid import DistanceTable, GridMap
 from msmrta_opt.mission.maps import Query, read_map, read_scenario
+from msmrta_opt.optimise.data import ClusterData, ClusteringData, VictimData
 from msmrta_opt.optimise.export import read_program
-from msmrta_opt.optimise.formulation import ClusterData, ClusteringData, VictimData
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solution import Solution
 from msmrta_opt.optimise.solve import AUTO, solve, solve_program

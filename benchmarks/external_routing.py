@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.files import read_text
-from msmrta_opt.optimise.routing.bound import gap
-from msmrta_opt.optimise.routing.data import Objective, Routes, RoutingData, value
-from msmrta_opt.optimise.routing.latency_search import search_latency
-from msmrta_opt.optimise.routing.local_search import improve
-from msmrta_opt.optimise.routing.strong import strong_bound
 from msmrta_opt.optimise.solvers import Options
+from msmrta_opt.routing.bound import gap
+from msmrta_opt.routing.branch_and_cut.search import strong_bound
+from msmrta_opt.routing.branch_and_price.search import search_latency
+from msmrta_opt.routing.heuristics.ruin_and_recreate import improve
+from msmrta_opt.routing.problem import Objective, Routes, RoutingData, value
 
 Floats = NDArray[np.float64]
 

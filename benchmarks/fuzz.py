@@ -27,14 +27,14 @@ from pathlib import Path
 from typing import Any
 
 import msmrta_opt as mo
-from msmrta_opt.mission.bounds.recheck import recheck
-from msmrta_opt.mission.check import problems
+from msmrta_opt.certify.bound import recheck
+from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.plan import Plan
-from msmrta_opt.optimise.routing.data import Objective, Routes
 from msmrta_opt.planners import planners
-from msmrta_opt.planners.improvement import OBJECTIVES, improve_plan
+from msmrta_opt.planners.support.improvement import OBJECTIVES, improve_plan
+from msmrta_opt.routing.problem import Objective, Routes
 from msmrta_opt.studies.isolate import Failure, run_isolated
 
 MAPS = Path(__file__).parents[1] / "instances" / "maps"

@@ -34,9 +34,9 @@ import numpy as np
 from exact import mission
 from numpy.typing import NDArray
 
-from msmrta_opt.optimise.routing.bound import gap
-from msmrta_opt.optimise.routing.data import Routes, RoutingData, faults, value
-from msmrta_opt.optimise.routing.grain import granularity
+from msmrta_opt.routing.bound import gap
+from msmrta_opt.routing.objective_step import granularity
+from msmrta_opt.routing.problem import Routes, RoutingData, faults, value
 from msmrta_opt.stages.joint_routing import routing_data
 from msmrta_opt.stages.situation import Situation
 from msmrta_opt.studies.isolate import Failure, run_isolated
@@ -315,7 +315,7 @@ def answer(name: str, size: str, number: int, seconds: float) -> Answer:
     if name != OURS:
         return RIVALS[name](problem(size, number), seconds)
     from msmrta_opt.planners import plan, planners
-    from msmrta_opt.planners.improvement import routes_of
+    from msmrta_opt.planners.support.improvement import routes_of
 
     planners()  # imports them
     began = time.monotonic()

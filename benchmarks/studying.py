@@ -20,11 +20,11 @@ from typing import Any
 
 import psutil
 
-from msmrta_opt.studies.study.ledger import Ledger
-from msmrta_opt.studies.study.perform import perform
-from msmrta_opt.studies.study.runner import run_study
-from msmrta_opt.studies.study.runs import Run, runs
-from msmrta_opt.studies.study.specification import Study
+from msmrta_opt.studies.ledger import Ledger
+from msmrta_opt.studies.perform import perform
+from msmrta_opt.studies.runner import run_study
+from msmrta_opt.studies.runs import Run, runs
+from msmrta_opt.studies.specification import Study
 
 REAL_RUNS = 300
 STUDY = """

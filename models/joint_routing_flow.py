@@ -48,7 +48,7 @@ import cvxpy as cp
 import numpy as np
 
 from msmrta_opt.optimise.formulation import Parameter, Spec
-from msmrta_opt.optimise.routing.data import RoutingData
+from msmrta_opt.routing.problem import RoutingData
 
 SPEC = Spec(
     stage="routing",

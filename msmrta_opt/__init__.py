@@ -13,7 +13,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from ._version import __version__ as __version__
 
 _HOME = {
     "Instance": "mission.instance",
@@ -26,7 +26,7 @@ _HOME = {
     "read_map": "mission.maps",
     "Plan": "mission.plan",
     "Metrics": "mission.metrics",
-    "check_plan": "mission.check",
+    "check_plan": "certify.plan",
     "random_mission": "mission.generate",
     "generate_mission": "mission.generate",
     "rooms": "mission.layouts",
@@ -40,10 +40,10 @@ _HOME = {
     "CheckError": "mission.errors",
     "Spec": "optimise.formulation",
     "Parameter": "optimise.formulation",
-    "ClusterData": "optimise.formulation",
-    "ClusteringData": "optimise.formulation",
-    "JointAssignmentData": "optimise.formulation",
-    "VictimData": "optimise.formulation",
+    "ClusterData": "optimise.data",
+    "ClusteringData": "optimise.data",
+    "JointAssignmentData": "optimise.data",
+    "VictimData": "optimise.data",
     "Solution": "optimise.solution",
     "solve": "optimise.solve",
     "model": "optimise.registry:get",
@@ -60,28 +60,27 @@ _HOME = {
     "Explanation": "optimise.explain",
     "compare": "studies.compare:comparison",
     "disagreements": "studies.rows",
-    "performance_profile": "studies.pictures",
-    "score": "studies.score",
-    "price_of_staging": "studies.staging",
-    "staging_losses": "studies.pictures",
-    "tradeoff": "studies.tradeoff",
-    "tradeoff_regions": "studies.tradeoff",
+    "performance_profile": "studies.analysis.pictures",
+    "score": "studies.analysis.score",
+    "price_of_staging": "studies.analysis.staging",
+    "staging_losses": "studies.analysis.pictures",
+    "tradeoff": "studies.analysis.tradeoff",
+    "tradeoff_regions": "studies.analysis.tradeoff",
     "stage_data": "stages.data",
     "StagedOptions": "stages.options",
     "reload_models": "optimise.registry",
     "plan": "planners",
     "planners": "planners",
-    "mip_start": "planners.mip_start",
+    "mip_start": "planners.support.mip_start",
     "scouting": "stages.scouting",
 }
-_MODULES = ("algorithm", "plots")
+_MODULES = {"algorithm": "stages.algorithm", "plots": "plots"}
 
 __all__ = ["__version__", "read", *_HOME, *_MODULES]
 
 if TYPE_CHECKING:
-    from . import algorithm as algorithm
     from . import plots as plots
-    from .mission.check import check_plan as check_plan
+    from .certify.plan import check_plan as check_plan
     from .mission.errors import CheckError as CheckError
     from .mission.errors import InputError as InputError
     from .mission.errors import ModelError as ModelError
@@ -103,17 +102,17 @@ if TYPE_CHECKING:
     from .mission.maps import read_map as read_map
     from .mission.metrics import Metrics as Metrics
     from .mission.plan import Plan as Plan
+    from .optimise.data import ClusterData as ClusterData
+    from .optimise.data import ClusteringData as ClusteringData
+    from .optimise.data import JointAssignmentData as JointAssignmentData
+    from .optimise.data import VictimData as VictimData
     from .optimise.explain import Explanation as Explanation
     from .optimise.explain import explain as explain
     from .optimise.export import export as export
     from .optimise.export import read_program as read_program
     from .optimise.export import write_program as write_program
-    from .optimise.formulation import ClusterData as ClusterData
-    from .optimise.formulation import ClusteringData as ClusteringData
-    from .optimise.formulation import JointAssignmentData as JointAssignmentData
     from .optimise.formulation import Parameter as Parameter
     from .optimise.formulation import Spec as Spec
-    from .optimise.formulation import VictimData as VictimData
     from .optimise.matrix import program as program
     from .optimise.matrix import structure as structure
     from .optimise.registry import add_models as add_models
@@ -126,18 +125,19 @@ if TYPE_CHECKING:
     from .optimise.solve import solve as solve
     from .planners import plan as plan
     from .planners import planners as planners
-    from .planners.mip_start import mip_start as mip_start
+    from .planners.support.mip_start import mip_start as mip_start
+    from .stages import algorithm as algorithm
     from .stages.data import stage_data as stage_data
     from .stages.options import StagedOptions as StagedOptions
     from .stages.scouting import scouting as scouting
+    from .studies.analysis.pictures import performance_profile as performance_profile
+    from .studies.analysis.pictures import staging_losses as staging_losses
+    from .studies.analysis.score import score as score
+    from .studies.analysis.staging import price_of_staging as price_of_staging
+    from .studies.analysis.tradeoff import tradeoff as tradeoff
+    from .studies.analysis.tradeoff import tradeoff_regions as tradeoff_regions
     from .studies.compare import comparison as compare  # noqa: F401
-    from .studies.pictures import performance_profile as performance_profile
-    from .studies.pictures import staging_losses as staging_losses
     from .studies.rows import disagreements as disagreements
-    from .studies.score import score as score
-    from .studies.staging import price_of_staging as price_of_staging
-    from .studies.tradeoff import tradeoff as tradeoff
-    from .studies.tradeoff import tradeoff_regions as tradeoff_regions
 
 
 def read(path: str) -> Instance:
@@ -149,7 +149,7 @@ def read(path: str) -> Instance:
 
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
-        return importlib.import_module(f".{name}", __name__)
+        return importlib.import_module(f".{_MODULES[name]}", __name__)
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, _, attribute = _HOME[name].partition(":")

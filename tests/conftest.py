@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from support.by_hand import breadth_first as breadth_first
+from support.by_hand import mission as mission
+from support.by_hand import plan as plan
 
 from msmrta_opt.mission.instance import Instance
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from ..mission.bounds.recheck import Recheck
+    from ..certify.bound import Recheck
     from ..mission.instance import Instance
     from ..mission.plan import Plan
 
@@ -39,7 +39,7 @@ def check(
     ] = None,
 ) -> None:
     """Check instances and plans; plans by a checker that shares no code with the planners."""
-    from ..mission.check import problems
+    from ..certify.plan import problems
     from ..mission.errors import InputError
     from ..mission.instance import Instance
 
@@ -49,7 +49,7 @@ def check(
     if time_limit is not None and not time_limit >= 0:
         raise InputError(f"{time_limit!r}; give 0 or more", field="--time-limit")
     if solver is not None:
-        from ..optimise.routing.second_opinion import other_solver
+        from ..routing.second_solver import other_solver
 
         other_solver(solver)
     documents = [_read(file) for file in files]
@@ -86,7 +86,7 @@ def _check_bound(
     file: Path, plan: Plan, missions: list[Instance], time_limit: float | None, solver: str | None
 ) -> list[str]:
     """What is wrong with the bound of `plan`; what is proved again is said, the rest on one line."""
-    from ..mission.bounds.recheck import recheck
+    from ..certify.bound import recheck
     from ..mission.errors import InputError
 
     if missions and not any(map(plan.is_for, missions)):
@@ -129,9 +129,9 @@ def _root(found: Recheck) -> list[str]:
 
 def _root_again(found: Recheck, solver: str | None, wrong: list[str]) -> list[str]:
     """The root relaxation by another solver."""
-    from ..mission.bounds.recheck import TOLERANCE
+    from ..certify.bound import TOLERANCE
     from ..mission.errors import SolverError
-    from ..optimise.routing.second_opinion import other_solver, root_again
+    from ..routing.second_solver import other_solver, root_again
 
     if found.relaxation is None:
         return []
@@ -170,8 +170,8 @@ def _explicitly(
     plan: Plan, found: Recheck, solver: str | None, time_limit: float, wrong: list[str]
 ) -> list[str]:
     """The explicit model of the plan's problem, solved again."""
-    from ..mission.bounds.recheck import TOLERANCE
-    from ..planners.explicit import solve_explicitly
+    from ..certify.bound import TOLERANCE
+    from ..planners.support.explicit_model import solve_explicitly
 
     claimed, objective = found.certificate.bound or 0.0, found.certificate.model
     solution = solve_explicitly(plan, objective, solver=solver, time_limit=time_limit)

@@ -14,8 +14,8 @@ from .missions import Figure, Json
 if TYPE_CHECKING:
     from ..mission.instance import Instance
     from ..stages.options import StagedOptions
+    from ..studies.analysis.score import Score
     from ..studies.rows import Row
-    from ..studies.score import Score
 
 
 def register(app: typer.Typer) -> None:
@@ -64,7 +64,7 @@ def compare(
 
     from ..stages.options import StagedOptions
     from ..studies import compare as study
-    from ..studies.regression import changes, read_baseline, save_baseline
+    from ..studies.analysis.regression import changes, read_baseline, save_baseline
     from ..studies.rows import disagreements
     from .console import console
     from .outputs import check_outputs, check_parquet
@@ -107,7 +107,7 @@ def compare(
         from matplotlib.figure import Figure as Drawing
 
         from ..plots import save_figure
-        from ..studies.pictures import performance_profile
+        from ..studies.analysis.pictures import performance_profile
 
         drawing = Drawing(figsize=(7.5, 4.8), layout="constrained")
         performance_profile(rows, ax=drawing.subplots())
@@ -199,7 +199,7 @@ def _scores(
     time: float,
     memory: float,
 ) -> list[Score]:
-    from ..studies.score import scores
+    from ..studies.analysis.score import scores
 
     sound = list(dict.fromkeys(row.model for row in rows if row.status in ("optimal", "feasible")))
     return list(

@@ -9,7 +9,7 @@ import typer
 from .missions import Figure, InstanceFile, Json, Seed
 
 if TYPE_CHECKING:
-    from ..optimise.routing.data import Objective, Routes
+    from ..routing.problem import Objective, Routes
 
 
 def register(app: typer.Typer) -> None:

@@ -10,7 +10,7 @@ import typer
 from .check import check
 
 if TYPE_CHECKING:
-    from ..planners.base import Planner
+    from ..planners.support.planner import Planner
 
 InstanceFile = Annotated[Path, typer.Argument(help="An instance file.", metavar="INSTANCE")]
 Json = Annotated[Path | None, typer.Option("--json", help="Write the result here, as JSON.")]

@@ -10,7 +10,7 @@ import typer
 from .missions import Figure, Seed
 
 if TYPE_CHECKING:
-    from ..optimise.routing.data import Objective
+    from ..routing.problem import Objective
 
 
 def register(app: typer.Typer) -> None:
@@ -29,7 +29,7 @@ def compare_plans(
     from ..mission.errors import InputError
     from ..mission.instance import Instance
     from ..planners import plan as make_plan
-    from ..studies.staging import candidates, price_of_staging
+    from ..studies.analysis.staging import candidates, price_of_staging
     from .console import table
     from .outputs import check_outputs
 
@@ -70,7 +70,7 @@ def compare_plans(
         from matplotlib.figure import Figure as Drawing
 
         from ..plots import save_figure
-        from ..studies.pictures import staging_losses
+        from ..studies.analysis.pictures import staging_losses
 
         drawing = Drawing(figsize=(9, 1.8 + 0.6 * len(priced)), layout="constrained")
         staging_losses(priced, objective, ax=drawing.subplots())

@@ -12,7 +12,7 @@ from .models import Folders, Model, add_folders
 from .outputs import named_values
 
 if TYPE_CHECKING:
-    from ..optimise.formulation import Floats
+    from ..arrays import Floats
     from ..optimise.registry import Formulation
     from ..optimise.solution import Solution
 
@@ -84,13 +84,13 @@ def _start(
     text: str, formulation: Formulation, data: Any, instance: Path, options: list[str] | None
 ) -> dict[str, Floats]:
     """The plan of a file, or of a planner, as a point to start from."""
-    from ..mission.check import problems
+    from ..certify.plan import problems
     from ..mission.errors import InputError
     from ..mission.instance import Instance
     from ..mission.plan import Plan
     from ..planners import plan as make_plan
     from ..planners import planners
-    from ..planners.mip_start import mip_start
+    from ..planners.support.mip_start import mip_start
 
     if formulation.spec.stage != "routing":
         raise InputError(

@@ -11,9 +11,9 @@ import typer
 from .missions import Json
 
 if TYPE_CHECKING:
-    from ..studies.study.record import Record
-    from ..studies.study.runs import Run
-    from ..studies.study.specification import Study
+    from ..studies.record import Record
+    from ..studies.runs import Run
+    from ..studies.specification import Study
 
 StudyFile = Annotated[Path, typer.Argument(help="A study file.", metavar="STUDY.toml")]
 
@@ -43,17 +43,17 @@ def run(
 
     from tqdm import tqdm
 
-    from ..studies.study.ledger import Ledger
-    from ..studies.study.runner import pending, run_study
-    from ..studies.study.runs import runs
-    from ..studies.study.specification import Study
+    from ..studies.ledger import Ledger
+    from ..studies.runner import pending, run_study
+    from ..studies.runs import runs
+    from ..studies.specification import Study
     from .console import say
 
     asked = Study.read(study)
     todo = runs(asked)
     execute = None
     if dask is not None:
-        from ..studies.study.cluster import on_cluster
+        from ..studies.cluster import on_cluster
 
         execute = on_cluster(asked, dask)
     with Ledger(asked.ledger) as ledger:
@@ -78,9 +78,9 @@ def run(
 
 def status(study: StudyFile) -> None:
     """Show what of a study is done, what failed and why, and what is left."""
-    from ..studies.study.ledger import Ledger
-    from ..studies.study.runs import runs
-    from ..studies.study.specification import Study
+    from ..studies.ledger import Ledger
+    from ..studies.runs import runs
+    from ..studies.specification import Study
     from .console import say
 
     asked = Study.read(study)
@@ -102,7 +102,7 @@ def export(
     """Write the runs of a study as a table, a row a run."""
     from ..mission.errors import InputError
     from ..mission.files import write_with
-    from ..studies.study.record import frame
+    from ..studies.record import frame
     from .console import say
     from .outputs import check_outputs, check_parquet, write_table
 
@@ -139,9 +139,9 @@ def report(
 
 def _read(study: Path) -> tuple[Study, list[Run], list[Record]]:
     """A study, its runs, and the records there are of them, in the order of the runs."""
-    from ..studies.study.ledger import Ledger
-    from ..studies.study.runs import current, runs
-    from ..studies.study.specification import Study
+    from ..studies.ledger import Ledger
+    from ..studies.runs import current, runs
+    from ..studies.specification import Study
 
     asked = Study.read(study)
     todo = runs(asked)

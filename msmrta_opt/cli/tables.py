@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from ..mission.instance import Instance
 from ..mission.plan import Plan
-from ..planners.improvement import STAGE as IMPROVED
+from ..planners.support.improvement import STAGE as IMPROVED
 from ..stages.requirement_analysis import requirement_analysis
 from .console import number, say, seconds, table
 

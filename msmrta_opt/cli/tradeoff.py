@@ -11,7 +11,7 @@ import typer
 from .missions import Figure, InstanceFile, Seed
 
 if TYPE_CHECKING:
-    from ..studies.tradeoff import Regions, Tradeoff
+    from ..studies.analysis.tradeoff import Regions, Tradeoff
 
 
 def register(app: typer.Typer) -> None:
@@ -31,7 +31,7 @@ def tradeoff(
     """Find every optimum over ψ or β, or every plan over both, with the exact values of change."""
     from ..mission.errors import InputError
     from ..mission.instance import Instance
-    from ..studies import tradeoff as study
+    from ..studies.analysis import tradeoff as study
     from .outputs import check_outputs
 
     check_outputs(csv, figure=figure)
@@ -54,7 +54,7 @@ def tradeoff(
         _write_csv(rows, csv)
     if figure is not None:
         from ..plots import save_figure
-        from ..studies.tradeoff_pictures import regions_figure, tradeoff_figure
+        from ..studies.analysis.tradeoff_pictures import regions_figure, tradeoff_figure
 
         both = "," in over
         save_figure(regions_figure(regions) if both else tradeoff_figure(result), figure)

@@ -222,7 +222,7 @@ class Plan(_Record):
 
     def plot(self, **options: Any) -> Figure:
         """Draw the plan: the three panels of the paper's Fig. 2; see `plots.plot_mission`."""
-        from .. import plots  # drawing is asked for by name; planning never pays for it
+        from .. import plots
 
         return plots.plot_mission(self, **options)
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .formulation import Floats, Ints
+from ..arrays import Floats, Ints
 from .program import Program
 from .structure import Structure
 

@@ -23,8 +23,8 @@ from cvxpy.constraints import Equality, Inequality
 from cvxpy.error import DCPError, DPPError, ParameterError, SolverError
 from scipy.sparse import coo_array, csr_array
 
+from ..arrays import Bools, Floats, Ints
 from ..mission.errors import ModelError
-from .formulation import Bools, Floats, Ints
 from .program import Block
 
 if TYPE_CHECKING:

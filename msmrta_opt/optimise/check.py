@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .formulation import Floats
+from ..arrays import Floats
 from .program import Program
 
 TOLERANCE = 1e-6

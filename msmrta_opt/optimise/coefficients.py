@@ -29,7 +29,7 @@ from cvxpy.reductions import InverseData
 from cvxpy.utilities.coeff_extractor import CoeffExtractor
 from scipy.sparse import issparse
 
-from .formulation import Bools, Floats, Ints
+from ..arrays import Bools, Floats, Ints
 
 
 def nodes(expressions: list[cp.Expression]) -> Iterator[cp.Expression]:

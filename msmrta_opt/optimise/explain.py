@@ -22,7 +22,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .formulation import Bools, Ints
+from ..arrays import Bools, Ints
 from .program import Program
 from .registry import Formulation
 from .solve import compile_for

@@ -22,9 +22,9 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_array, csr_array, diags_array, vstack
 
+from ..arrays import Ints
 from ..mission.errors import InputError, ModelError
 from ..mission.files import read_text, write_text, write_with
-from .formulation import Ints
 from .program import Block, Program
 from .registry import Formulation
 from .solve import compile_for

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from .formulation import Floats
+from ..arrays import Floats
 from .parametric import Envelope, Family, Line
 from .program import Program
 from .solution import Solution

@@ -16,9 +16,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..mission.errors import ModelError, SolverError
 from .compile import Compiled
-from .formulation import Floats
 from .program import Program
 from .solve import solve_program
 

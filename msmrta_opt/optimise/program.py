@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .formulation import Bools, Floats
+from ..arrays import Bools, Floats
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

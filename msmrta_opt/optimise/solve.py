@@ -16,12 +16,12 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from ..arrays import Bools, Floats
 from ..mission.errors import InputError
 from . import registry
 from .assignment import solve_assignment
 from .check import TOLERANCE, dual_bound, settled, violations
 from .compile import Compiled, compile_formulation, parameter_values
-from .formulation import Bools, Floats
 from .program import Program
 from .registry import Formulation
 from .solution import Solution

@@ -25,7 +25,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
-from .formulation import Bools, Floats, Ints
+from ..arrays import Bools, Floats, Ints
 from .program import Program
 
 Kind = Literal["bipartite", "network", "interval"]

@@ -11,14 +11,14 @@ from functools import cache
 from numbers import Real
 from typing import Any
 
-from ..mission.check import check_plan
+from ..certify.plan import check_plan
 from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import Plan
-from ..optimise.routing.data import Objective
+from ..routing.problem import Objective
 from ..stages.options import StagedOptions
-from .base import Planner
-from .improvement import check_objective, improve_plan
+from .support.improvement import check_objective, improve_plan
+from .support.planner import Planner
 
 
 @cache

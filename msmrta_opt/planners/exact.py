@@ -19,21 +19,21 @@ from typing import Any
 
 import numpy as np
 
-from ..mission.bounds.recheck import STAGE as STAGE_OF_BOUNDS
+from ..certify.bound import STAGE as STAGE_OF_BOUNDS
 from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import BEYOND_ENDURANCE, Certificate, Plan, Route, Unserved
-from ..optimise.routing.bound import Bound
-from ..optimise.routing.bound import gap as relative_gap
-from ..optimise.routing.data import Objective, Routes, RoutingData, faults, value
-from ..optimise.routing.latency import latency_bound
-from ..optimise.routing.latency_proof import latency_proof
-from ..optimise.routing.latency_search import search_latency
-from ..optimise.routing.local_search import improve
-from ..optimise.routing.progress import Report
-from ..optimise.routing.root_proof import root_proof
-from ..optimise.routing.strong import strong_bound
 from ..optimise.solve import solve
+from ..routing.bound import Bound
+from ..routing.bound import gap as relative_gap
+from ..routing.branch_and_cut.root_proof import root_proof
+from ..routing.branch_and_cut.search import strong_bound
+from ..routing.branch_and_price.queue_bound import latency_bound
+from ..routing.branch_and_price.root_proof import latency_proof
+from ..routing.branch_and_price.search import search_latency
+from ..routing.heuristics.ruin_and_recreate import improve
+from ..routing.incumbent import Report
+from ..routing.problem import Objective, Routes, RoutingData, faults, value
 from ..stages.joint_routing import routing_data
 from ..stages.options import StagedOptions
 from ..stages.path_planning import path_planning
@@ -41,9 +41,9 @@ from ..stages.requirement_analysis import missing_capabilities, requirement_anal
 from ..stages.scouting import scout_mission
 from ..stages.situation import Situation, Stop
 from . import greedy, ssi
-from .base import Planner, Stopwatch
-from .improvement import check_objective, stops_of
-from .record import assemble
+from .support.improvement import check_objective, stops_of
+from .support.planner import Planner, Stopwatch
+from .support.record import assemble
 
 STAGE = "exact"
 SHARE_OF_SEARCH = 0.1

@@ -8,8 +8,8 @@ from ..mission.instance import Instance
 from ..mission.plan import Plan
 from ..stages.cluster_assignment import kinds
 from ..stages.situation import Situation, Stop
-from .base import Planner
-from .baseline import plan_by
+from .support.baseline import plan_by
+from .support.planner import Planner
 
 
 def run(instance: Instance, *, seed: int = 0) -> Plan:

@@ -33,8 +33,8 @@ from ..mission.instance import Instance
 from ..mission.plan import Plan
 from ..stages.k_means import k_means
 from ..stages.situation import Situation, Stop
-from .base import Planner
-from .baseline import goals, plan_by, queue_of
+from .support.baseline import goals, plan_by, queue_of
+from .support.planner import Planner
 
 ALPHA = 0.25
 BETA = 0.20

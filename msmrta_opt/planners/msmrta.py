@@ -16,8 +16,8 @@ from ..stages.robot_assignment import robot_assignment
 from ..stages.scouting import scout_mission
 from ..stages.situation import Situation, without
 from ..stages.victim_assignment import victim_assignment
-from .base import Planner, Stopwatch
-from .record import assemble
+from .support.planner import Planner, Stopwatch
+from .support.record import assemble
 
 
 def run(instance: Instance, *, preset: str = "paper", **changes: Any) -> Plan:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..mission.errors import InputError
 from ..mission.grid import manhattan
 from ..optimise import registry
-from ..optimise.formulation import ClusterData
+from ..optimise.data import ClusterData
 from ..optimise.solution import Solution
 from ..optimise.solve import solve
 from .clustering import Clustering

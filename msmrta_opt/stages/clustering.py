@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..mission.errors import InputError
 from ..mission.grid import Cell
 from ..optimise import registry
-from ..optimise.formulation import ClusteringData
+from ..optimise.data import ClusteringData
 from ..optimise.solution import Solution
 from ..optimise.solve import solve
 from .k_means import k_means

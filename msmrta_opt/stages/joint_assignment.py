@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..mission.errors import InputError
-from ..optimise.formulation import JointAssignmentData
+from ..optimise.data import JointAssignmentData
 from .cluster_assignment import STAGE, behind_walls, cluster_data, served_members
 from .clustering import Clustering
 from .options import StagedOptions

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..optimise.routing.data import RoutingData
+from ..routing.problem import RoutingData
 from .situation import Situation
 
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..optimise.formulation import VictimData
+from ..optimise.data import VictimData
 from .options import StagedOptions
 from .situation import Situation, Stop
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..optimise import registry
-from ..optimise.formulation import VictimData
+from ..optimise.data import VictimData
 from ..optimise.solution import Solution
 from ..optimise.solve import solve
 from .cluster_assignment import binary, kinds

@@ -17,7 +17,7 @@ import numpy as np
 from ..mission.errors import InputError, MsmrtaError
 from ..mission.instance import Instance
 from ..optimise import registry, solvers
-from ..optimise.formulation import ClusterData
+from ..optimise.data import ClusterData
 from ..optimise.solution import Solution
 from ..optimise.solve import AUTO, solve
 from ..optimise.solvers import Options

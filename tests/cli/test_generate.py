@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from msmrta_opt.mission.check import problems
+from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.planners import plan
 from msmrta_opt.stages.requirement_analysis import missing_capabilities, requirement_analysis

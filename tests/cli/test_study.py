@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 from support.studies import kept, many_runs, write_study
 
-from msmrta_opt.studies.study.record import Record, frame
-from msmrta_opt.studies.study.runs import runs
-from msmrta_opt.studies.study.specification import Study
+from msmrta_opt.studies.record import Record, frame
+from msmrta_opt.studies.runs import runs
+from msmrta_opt.studies.specification import Study
 
 STUDIES = Path(__file__).parents[2] / "studies"
 
@@ -58,7 +58,7 @@ def test_status_counts_what_is_open_and_names_what_failed(
 ) -> None:
     from dataclasses import fields
 
-    from msmrta_opt.studies.study.ledger import Ledger
+    from msmrta_opt.studies.ledger import Ledger
 
     study = Study.read(path)
     first, second, _ = runs(study)

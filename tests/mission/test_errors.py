@@ -2,13 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from msmrta_opt.mission.errors import (
-    CheckError,
-    InputError,
-    ModelError,
-    MsmrtaError,
-    SolverError,
-)
+from msmrta_opt.mission.errors import CheckError, InputError, ModelError, MsmrtaError, SolverError
 
 
 @pytest.mark.parametrize("kind", [InputError, ModelError, SolverError, CheckError])

@@ -13,9 +13,9 @@ from support.joint_oracle import least
 from support.oracles import WEIGHTS, routes_of
 
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.optimise.routing.data import Objective, RoutingData, faults, value
 from msmrta_opt.optimise.solution import Solution
 from msmrta_opt.optimise.solve import solve
+from msmrta_opt.routing.problem import Objective, RoutingData, faults, value
 from msmrta_opt.stages.data import stage_data
 
 PAIRS = [(model, objective) for model, objectives in WEIGHTS.items() for objective in objectives]

@@ -19,12 +19,7 @@ from support.small_cases import (
     victim_cases,
 )
 
-from msmrta_opt.optimise.formulation import (
-    ClusterData,
-    ClusteringData,
-    JointAssignmentData,
-    VictimData,
-)
+from msmrta_opt.optimise.data import ClusterData, ClusteringData, JointAssignmentData, VictimData
 from msmrta_opt.optimise.registry import get
 from msmrta_opt.optimise.solve import solve
 

@@ -20,8 +20,9 @@ from support.programs import INF, formulation, problem, program
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.optimise import explain as module
+from msmrta_opt.optimise.data import ClusterData
 from msmrta_opt.optimise.explain import Explanation, explain, explain_program
-from msmrta_opt.optimise.formulation import ClusterData, Parameter
+from msmrta_opt.optimise.formulation import Parameter
 from msmrta_opt.optimise.program import Block, Program
 
 FAR = 6000.0

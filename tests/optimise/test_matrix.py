@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.optimise.formulation import ClusterData
+from msmrta_opt.optimise.data import ClusterData
 from msmrta_opt.optimise.matrix import program, structure
 
 TWO_BY_THREE = ClusterData(

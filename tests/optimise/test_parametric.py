@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msmrta_opt.mission.errors import ModelError
-from msmrta_opt.optimise.formulation import ClusterData, VictimData
+from msmrta_opt.optimise.data import ClusterData, VictimData
 from msmrta_opt.optimise.frontier import frontier, optima
 from msmrta_opt.optimise.parametric import Envelope, Family, envelope
 from msmrta_opt.optimise.solve import compile_for, solve

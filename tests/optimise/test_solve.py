@@ -23,7 +23,7 @@ from support.programs import (
 )
 
 from msmrta_opt.mission.errors import CheckError, InputError, ModelError
-from msmrta_opt.optimise.formulation import ClusterData, VictimData
+from msmrta_opt.optimise.data import ClusterData, VictimData
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solution import Solution
 from msmrta_opt.optimise.solve import solve, solve_program

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from support.programs import formulation
 
-from msmrta_opt.optimise.formulation import ClusterData, Parameter
+from msmrta_opt.optimise.data import ClusterData
+from msmrta_opt.optimise.formulation import Parameter
 from msmrta_opt.optimise.solve import solve
 
 

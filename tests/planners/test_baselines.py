@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from msmrta_opt.mission.check import problems
+from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows

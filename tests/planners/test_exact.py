@@ -13,14 +13,14 @@ import pytest
 from support.joint_oracle import least
 
 import msmrta_opt as mo
-from msmrta_opt.mission.check import problems
+from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows, read_map
 from msmrta_opt.mission.plan import BEYOND_ENDURANCE, NOT_FOUND, Plan
-from msmrta_opt.optimise.routing.data import Objective, RoutingData
-from msmrta_opt.optimise.routing.latency import latency_bound
+from msmrta_opt.routing.branch_and_price.queue_bound import latency_bound
+from msmrta_opt.routing.problem import Objective, RoutingData
 from msmrta_opt.stages.joint_routing import routing_data
 from msmrta_opt.stages.situation import Situation
 

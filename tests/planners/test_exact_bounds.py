@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from msmrta_opt.planners.improvement import OBJECTIVES
+from msmrta_opt.planners.support.improvement import OBJECTIVES
 
 LIMITS = (0.0, 0.05, 0.2)
 CHUNKS = 8

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from msmrta_opt.mission.check import problems
+from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import NOT_FOUND, Plan
-from msmrta_opt.optimise.routing import local_search
-from msmrta_opt.optimise.routing.data import Objective
 from msmrta_opt.planners import plan, planners
-from msmrta_opt.planners.improvement import OBJECTIVES, improve_plan
+from msmrta_opt.planners.support.improvement import OBJECTIVES, improve_plan
+from msmrta_opt.routing.heuristics import ruin_and_recreate as local_search
+from msmrta_opt.routing.problem import Objective
 
 PLANNERS = ("greedy", "mrga", "msmrta", "random", "ssi")
 ROOMS = grid_from_rows(["...@....", ".@.@.@..", ".@...@..", ".@@@.@@.", "........"])

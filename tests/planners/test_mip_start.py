@@ -15,10 +15,10 @@ from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.optimise.check import violations
-from msmrta_opt.optimise.routing.data import RoutingData
 from msmrta_opt.optimise.solve import compile_for
-from msmrta_opt.planners.explicit import MODELS, problem_of, solve_explicitly
-from msmrta_opt.planners.mip_start import mip_start
+from msmrta_opt.planners.support.explicit_model import MODELS, problem_of, solve_explicitly
+from msmrta_opt.planners.support.mip_start import mip_start
+from msmrta_opt.routing.problem import RoutingData
 
 MAPS = Path(__file__).parents[2] / "instances" / "maps"
 PLANNERS = ("msmrta", "mrga", "ssi", "random")

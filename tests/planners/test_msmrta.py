@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import msmrta_opt as mo
-from msmrta_opt.mission.check import problems
+from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance, Robot, Scout, Victim
 from msmrta_opt.mission.maps import grid_from_rows

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 
-from msmrta_opt.mission.check import problems
+from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance, Robot, Scout, Victim

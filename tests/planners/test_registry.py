@@ -8,7 +8,7 @@ from msmrta_opt.mission.errors import CheckError, InputError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import plan, planners
-from msmrta_opt.planners.base import Planner
+from msmrta_opt.planners.support.planner import Planner
 
 
 @pytest.fixture

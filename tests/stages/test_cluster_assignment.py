@@ -18,11 +18,7 @@ from msmrta_opt.mission.grid import Cell, GridMap
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.optimise import registry
-from msmrta_opt.stages.cluster_assignment import (
-    ClusterAssignment,
-    cluster_assignment,
-    cluster_data,
-)
+from msmrta_opt.stages.cluster_assignment import ClusterAssignment, cluster_assignment, cluster_data
 from msmrta_opt.stages.clustering import Clustering, clustering
 from msmrta_opt.stages.options import StagedOptions
 from msmrta_opt.stages.requirement_analysis import RequirementAnalysis, requirement_analysis

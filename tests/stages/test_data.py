@@ -11,13 +11,8 @@ import pytest
 from msmrta_opt import formulations
 from msmrta_opt.mission.errors import CheckError, InputError
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.optimise.formulation import (
-    ClusterData,
-    ClusteringData,
-    JointAssignmentData,
-    Stage,
-    VictimData,
-)
+from msmrta_opt.optimise.data import ClusterData, ClusteringData, JointAssignmentData, VictimData
+from msmrta_opt.optimise.formulation import Stage
 from msmrta_opt.optimise.solve import solve
 from msmrta_opt.planners import plan
 from msmrta_opt.stages.data import STAGES, stage_data

@@ -14,7 +14,7 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows, read_map
-from msmrta_opt.optimise.formulation import JointAssignmentData, VictimData
+from msmrta_opt.optimise.data import JointAssignmentData, VictimData
 from msmrta_opt.optimise.solve import solve
 from msmrta_opt.stages.cluster_assignment import ClusterAssignment, cluster_assignment
 from msmrta_opt.stages.clustering import clustering

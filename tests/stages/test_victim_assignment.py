@@ -16,7 +16,7 @@ from msmrta_opt.mission.grid import Cell
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.optimise import registry
-from msmrta_opt.optimise.formulation import VictimData
+from msmrta_opt.optimise.data import VictimData
 from msmrta_opt.stages.cluster_assignment import cluster_assignment
 from msmrta_opt.stages.clustering import clustering
 from msmrta_opt.stages.options import StagedOptions

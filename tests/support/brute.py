@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from msmrta_opt.optimise.formulation import ClusterData, VictimData
+from msmrta_opt.optimise.data import ClusterData, VictimData
 
 
 @cache

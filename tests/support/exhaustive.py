@@ -13,12 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from msmrta_opt.optimise.formulation import (
-    ClusterData,
-    ClusteringData,
-    JointAssignmentData,
-    VictimData,
-)
+from msmrta_opt.optimise.data import ClusterData, ClusteringData, JointAssignmentData, VictimData
 
 Answers = dict[bytes, float]
 """The worth of each feasible answer, by `key`."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.maps import read_map
-from msmrta_opt.optimise.routing.data import Routes, RoutingData
+from msmrta_opt.routing.problem import Routes, RoutingData
 from msmrta_opt.stages.joint_routing import routing_data
 from msmrta_opt.stages.situation import Situation
 

@@ -12,7 +12,7 @@ from itertools import permutations, product
 
 import numpy as np
 
-from msmrta_opt.optimise.routing.data import Objective, RoutingData
+from msmrta_opt.routing.problem import Objective, RoutingData
 
 
 def least(data: RoutingData, objective: Objective) -> float:

@@ -12,10 +12,10 @@ from support.joint_cases import on_a_line, small_mission
 from support.joint_oracle import least
 from support.small_cases import dense_case
 
-from msmrta_opt.optimise.formulation import ClusterData, ClusteringData, VictimData
+from msmrta_opt.optimise.data import ClusterData, ClusteringData, VictimData
 from msmrta_opt.optimise.registry import get
-from msmrta_opt.optimise.routing.data import Objective, Routes, RoutingData, faults, value
 from msmrta_opt.optimise.solution import Solution
+from msmrta_opt.routing.problem import Objective, Routes, RoutingData, faults, value
 
 ANSWER = {"clustering": ("y", "median"), "cluster": ("x",), "victim": ("x",), "joint": ("x", "y")}
 """The binary variables that make an answer, by stage; of routes see `routes_of`."""

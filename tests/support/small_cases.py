@@ -8,12 +8,7 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from msmrta_opt.optimise.formulation import (
-    ClusterData,
-    ClusteringData,
-    JointAssignmentData,
-    VictimData,
-)
+from msmrta_opt.optimise.data import ClusterData, ClusteringData, JointAssignmentData, VictimData
 
 shares = st.sampled_from([0.0, 0.25, 0.5, 0.95, 1.0])
 quarters = st.integers(0, 40).map(lambda n: n / 4)

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.maps import write_map
-from msmrta_opt.studies.study.ledger import Ledger
-from msmrta_opt.studies.study.record import Record
-from msmrta_opt.studies.study.runner import run_study
-from msmrta_opt.studies.study.runs import runs
-from msmrta_opt.studies.study.specification import Study
+from msmrta_opt.studies.ledger import Ledger
+from msmrta_opt.studies.record import Record
+from msmrta_opt.studies.runner import run_study
+from msmrta_opt.studies.runs import runs
+from msmrta_opt.studies.specification import Study
 
 
 def write_study(folder: Path, text: str, name: str = "study.toml") -> Path:

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from itertools import product
 from typing import Any
 
-from msmrta_opt.studies.study.record import Record
-from msmrta_opt.studies.study.specification import Study
+from msmrta_opt.studies.record import Record
+from msmrta_opt.studies.specification import Study
 
 MACHINE = "desk: Linux x86_64, 2 CPUs"
 

@@ -9,8 +9,8 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Literal, get_args
 
+from ...arrays import Floats
 from ...mission.errors import InputError, SolverError
-from ..formulation import Floats
 from ..program import Program
 from ..solution import Status
 

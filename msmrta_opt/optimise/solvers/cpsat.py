@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Floats, Ints
 from ...mission.errors import SolverError
-from ..formulation import Floats, Ints
 from ..program import Program
 from .apart import run_apart
 from .base import Options, Outcome, Solver

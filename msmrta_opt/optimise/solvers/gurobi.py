@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Bools
 from ...mission.errors import SolverError
-from ..formulation import Bools
 from ..program import Program
 from .base import EVERY_ABILITY, Options, Outcome, Solver
 from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible

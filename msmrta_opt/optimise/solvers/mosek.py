@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Floats
 from ...mission.errors import SolverError
-from ..formulation import Floats
 from ..program import Program
 from .base import Options, Outcome, Solver
 from .outcomes import gap_of_larger, incumbent, own_bound, relaxation_first, unbounded_or_infeasible

@@ -13,7 +13,7 @@ from functools import wraps
 
 import numpy as np
 
-from ..formulation import Floats
+from ...arrays import Floats
 from ..program import Program
 from .base import Options, Outcome
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..study.record import Record
-    from ..study.specification import Study
+    from ..record import Record
+    from ..specification import Study
 
 
 def write_report(

@@ -26,7 +26,7 @@ from .tables import (
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ..study.specification import Study
+    from ..specification import Study
 
 
 def sections(study: Study, runs: pd.DataFrame) -> list[Section]:

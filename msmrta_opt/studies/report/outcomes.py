@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from ...plots.style import INK, PALETTE
-from ..study.record import FINISHED
+from ..record import FINISHED
 from .blocks import Picture
 from .runs import contenders
 from .style import PAPER, add_legend, own_axes

@@ -21,7 +21,7 @@ from .style import svg
 from .text import number
 
 if TYPE_CHECKING:
-    from ..study.specification import Study
+    from ..specification import Study
 
 DPI = 150
 MOST_PIXELS = 12_000

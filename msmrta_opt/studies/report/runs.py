@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..study.record import FINISHED, Record, frame
+from ..record import FINISHED, Record, frame
 
 if TYPE_CHECKING:
     import pandas as pd

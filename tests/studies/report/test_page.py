@@ -11,8 +11,8 @@ import pytest
 from support.study_records import grid_records, record, solve, solving_records, study_of
 
 from msmrta_opt.mission.errors import InputError
+from msmrta_opt.studies.record import Record
 from msmrta_opt.studies.report import write_report
-from msmrta_opt.studies.study.record import Record
 
 VOID = {"meta", "link", "img", "br"}
 SMALL = {"maps": ("map0", "map1"), "robots": (2, 5, 10), "victims": (10, 50, 100), "seeds": (0, 1)}

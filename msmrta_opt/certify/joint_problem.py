@@ -1,0 +1,218 @@
+"""The joint problem of a plan, worked out again from its instance, in exact numbers.
+
+For checks: nothing here is shared with the planners, and nothing is rounded. A number of a file is
+taken for the fraction that it is written for (0.3 for 3/10), so times have small denominators and
+their greatest common divisor is exact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations
+
+from ..mission.grid import Cell, GridMap
+from ..mission.instance import Instance
+from ..mission.plan import Plan
+
+_LARGEST_DENOMINATOR = 10_000
+_CLOSE = 1e-12
+
+
+def exact(number: float) -> Fraction:
+    """The fraction that `number` is written for: a simple one next to it, else itself."""
+    simple = Fraction(number).limit_denominator(_LARGEST_DENOMINATOR)
+    return simple if abs(float(simple) - number) <= _CLOSE * abs(number) else Fraction(number)
+
+
+def steps_from(grid: GridMap, start: Cell) -> dict[Cell, int]:
+    """Moves from `start` to each cell that can be reached from it, by flood fill."""
+    free = grid.free.tolist()
+    n_rows, n_cols = grid.shape
+    steps = {start: 0}
+    border = [start]
+    while border:
+        onward = []
+        for row, col in border:
+            for cell in ((row + 1, col), (row - 1, col), (row, col + 1), (row, col - 1)):
+                inside = 0 <= cell[0] < n_rows and 0 <= cell[1] < n_cols
+                if inside and free[cell[0]][cell[1]] and cell not in steps:
+                    steps[cell] = steps[row, col] + 1
+                    onward.append(cell)
+        border = onward
+    return steps
+
+
+def service_times(mission: Instance) -> dict[tuple[int, str], Fraction]:
+    """Service time of each victim's requirements."""
+    return {
+        (victim.id, kind): exact(victim.service_time.get(kind, mission.service_time[kind]))
+        for victim in mission.victims
+        for kind in victim.requirements
+    }
+
+
+def servable(plan: Plan) -> dict[tuple[int, int, str], Fraction]:
+    """Which robot can serve what, within its limits if it does nothing else; and its travel there."""
+    known = plan.known
+    endurance, most = (plan.limits.get(name) for name in ("endurance", "longest_walk"))
+    ways = 2 if plan.limits.get("return_to_start") else 1
+    service = service_times(known)
+    found = {}
+    for robot in known.robots:
+        steps, speed = steps_from(known.map, robot.start), exact(robot.speed)
+        for victim in known.victims:
+            moves = steps.get(victim.cell)
+            if moves is None or (most is not None and ways * moves > exact(most)):
+                continue
+            for kind in victim.requirements:
+                busy = ways * moves / speed + service[victim.id, kind]
+                within = endurance is None or busy <= exact(endurance)
+                if kind in robot.capabilities and within:
+                    found[robot.id, victim.id, kind] = moves / speed
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """Who can serve what, and how long everything takes, in time units; by ids.
+
+    A requirement is here if a robot can serve it, within the limits if it serves nothing else.
+    """
+
+    robots: tuple[int, ...]
+    able: frozenset[tuple[int, int, str]]
+    """Robot, victim and kind that go together."""
+    leave: dict[tuple[int, int], Fraction]
+    """Travel of a robot from its start to a victim that it can serve."""
+    between: dict[tuple[int, int, int], Fraction]
+    """Travel of a robot between two such victims, the smaller id first."""
+    returns: bool
+    """Whether robots walk back to their starts."""
+    service: dict[tuple[int, str], Fraction]
+    """Service time of each requirement that is here."""
+    priority: dict[int, Fraction]
+    """What a unit of time until a victim is complete costs."""
+    endurance: Fraction | None
+    """Longest time that a robot may be busy."""
+    walk: dict[int, Fraction]
+    """Longest travel time of each robot, if there is a limit."""
+
+    @classmethod
+    def of(cls, plan: Plan) -> Joint:
+        """The joint problem of `plan`, whose options hold its limits."""
+        known = plan.known
+        endurance, most = (plan.limits.get(name) for name in ("endurance", "longest_walk"))
+        speed = {robot.id: exact(robot.speed) for robot in known.robots}
+        cell = {victim.id: victim.cell for victim in known.victims}
+        ways = servable(plan)
+        leave = {(r, v): way for (r, v, _), way in ways.items()}
+        steps = {v: steps_from(known.map, cell[v]) for v in {v for _, v in leave}}
+        between = {
+            (r, i, j): steps[i][cell[j]] / speed[r]
+            for r in speed
+            for i, j in combinations(sorted(v for s, v in leave if s == r), 2)
+        }
+        times = service_times(known)
+        return cls(
+            robots=tuple(robot.id for robot in known.robots),
+            able=frozenset(ways),
+            leave=leave,
+            between=between,
+            returns=bool(plan.limits.get("return_to_start")),
+            service={(v, k): times[v, k] for _, v, k in ways},
+            priority={v.id: exact(v.priority) for v in known.victims if v.id in steps},
+            endurance=None if endurance is None else exact(endurance),
+            walk={} if most is None else {r: exact(most) / speed[r] for r in speed},
+        )
+
+    @cached_property
+    def victims_of(self) -> dict[int, tuple[int, ...]]:
+        """The victims that each robot can serve, in order."""
+        return {r: tuple(sorted(v for s, v in self.leave if s == r)) for r in self.robots}
+
+    def back(self, robot: int, victim: int) -> Fraction:
+        """Travel back to the start, 0 where robots do not return."""
+        return self.leave[robot, victim] if self.returns else Fraction(0)
+
+    @property
+    def total_service(self) -> Fraction:
+        """Service time of all requirements."""
+        return sum(self.service.values(), Fraction(0))
+
+    def offset(self, objective: str) -> Fraction:
+        """What every answer costs: all service, for total time."""
+        return self.total_service if objective == "total_time" else Fraction(0)
+
+    def travel(self, robot: int, victim: int, other: int) -> Fraction:
+        """Travel of a robot between two victims that it can serve."""
+        return self.between[robot, min(victim, other), max(victim, other)]
+
+    @cached_property
+    def kinds_of(self) -> dict[tuple[int, int], tuple[str, ...]]:
+        """What each robot can serve at each victim, in order."""
+        kinds: dict[tuple[int, int], tuple[str, ...]] = {}
+        for r, v, k in sorted(self.able):
+            kinds[r, v] = (*kinds.get((r, v), ()), k)
+        return kinds
+
+    @cached_property
+    def soonest(self) -> dict[tuple[int, str], Fraction]:
+        """When each requirement can be done, by whoever is the first at it."""
+        soonest: dict[tuple[int, str], Fraction] = {}
+        for r, v, k in self.able:
+            done = self.leave[r, v] + self.service[v, k]
+            soonest[v, k] = min(soonest.get((v, k), done), done)
+        return soonest
+
+    @cached_property
+    def soonest_complete(self) -> dict[int, Fraction]:
+        """When each victim can be complete."""
+        complete: dict[int, Fraction] = {}
+        for (v, _), done in self.soonest.items():
+            complete[v] = max(complete.get(v, done), done)
+        return complete
+
+    def grain(self, objective: str) -> Fraction:
+        """What answers' values differ by: multiples of this; 0 if they do not differ."""
+        times: Iterable[Fraction] = [*self.leave.values(), *self.between.values()]
+        if objective != "total_time":
+            times = [*times, *self.service.values()]
+        step = greatest_common_divisor(times)
+        return (
+            step * greatest_common_divisor(self.priority.values())
+            if objective == "latency"
+            else step
+        )
+
+    def up(self, bound: Fraction, objective: str) -> Fraction:
+        """The least value from `bound` on that `objective` can take."""
+        step, offset = self.grain(objective), self.offset(objective)
+        return offset + step * math.ceil((bound - offset) / step) if step else max(bound, offset)
+
+    def at_once(self, objective: str) -> Fraction:
+        """A bound without any prices: each requirement alone, by whoever is soonest done with it."""
+        if objective == "latency":
+            complete = self.soonest_complete
+            return sum((self.priority[v] * done for v, done in complete.items()), Fraction(0))
+        soonest: dict[tuple[int, str], Fraction] = {}
+        for r, v, k in self.able:
+            way = self.leave[r, v] + self.back(r, v)
+            soonest[v, k] = min(soonest.get((v, k), way), way)
+        if objective == "makespan":
+            return max(
+                (soonest[need] + self.service[need] for need in soonest), default=Fraction(0)
+            )
+        return self.total_service + max(soonest.values(), default=Fraction(0))
+
+
+def greatest_common_divisor(times: Iterable[Fraction]) -> Fraction:
+    """The largest fraction of which all `times` are multiples; 0 if all are 0."""
+    divisor = Fraction(0)
+    for time in set(times):
+        top = math.gcd(divisor.numerator * time.denominator, time.numerator * divisor.denominator)
+        divisor = Fraction(top, divisor.denominator * time.denominator)
+    return divisor

@@ -1,0 +1,252 @@
+r"""The linear relaxation of the joint problem, written out from the instance, and what its prices prove.
+
+A robot's route visits no victim twice (no detour is shorter than the direct way), so it is a path; its
+edges, ends, visits and services are the columns, all between 0 and 1, and every route satisfies the
+rows of `proof`. For any prices p of the rows, each of the sign that its row allows, no plan costs less
+than
+
+    Σ p b + Σ_j min(0, d_j) u_j,        d = c − A'p
+
+(weak duality), b being the rows' sides, u_j the largest value of column j. All of it is added up in
+fractions: no solver is asked, and nothing is rounded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import combinations
+
+from ..mission.errors import CheckError
+from ..mission.proof import PathCut, RootProof, SubtourCut
+from .joint_problem import Joint
+
+Column = tuple[str | int, ...]
+"""``("y", robot, victim)``, ``f`` and ``l`` alike, ``("e", robot, i, j)`` with i < j,
+``("a", robot, victim, kind)`` or ``("T",)``."""
+MAKESPAN: Column = ("T",)
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """``lower ≤ Σ entries ≤ upper``, and its price; no side is ``None``."""
+
+    name: str
+    entries: Mapping[Column, Fraction | int]
+    lower: Fraction | int | None
+    upper: Fraction | int | None
+    price: Fraction
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxation:
+    """Columns with their costs and largest values (the least are 0), rows, and what all plans cost."""
+
+    cost: Mapping[Column, Fraction | int]
+    most: Mapping[Column, Fraction | int]
+    rows: tuple[Row, ...]
+    offset: Fraction
+
+    def bound(self) -> Fraction:
+        """What the prices prove.
+
+        Raises
+        ------
+        CheckError
+            If a price has the wrong sign.
+        """
+        worth = self.offset
+        reduced = {column: Fraction(cost) for column, cost in self.cost.items()}
+        for row in self.rows:
+            if not row.price:
+                continue
+            side = row.lower if row.price > 0 else row.upper
+            if side is None:
+                raise CheckError(f"the price {float(row.price):g} of {row.name} has the wrong sign")
+            worth += row.price * side
+            for column, weight in row.entries.items():
+                reduced[column] -= row.price * weight
+        return worth + sum(d * self.most[column] for column, d in reduced.items() if d < 0)
+
+
+def relaxation(joint: Joint, proof: RootProof, worth: Fraction) -> Relaxation:
+    """The relaxation of `joint` with the cuts and the prices of `proof`.
+
+    Parameters
+    ----------
+    joint : Joint
+        The joint problem.
+    proof : RootProof
+        Which cuts there are, and the price of each row.
+    worth : Fraction
+        What a plan at hand is worth: no better one has a larger makespan.
+
+    Raises
+    ------
+    CheckError
+        If a price is of a row that there is not, or a cut is not one of the kinds that hold.
+    """
+    prices = _Prices(proof)
+    loads = proof.objective == "makespan" or joint.endurance is not None
+    travel = _travel(joint)
+    busy = dict(travel)
+    if loads:
+        busy |= {("a", r, v, k): joint.service[v, k] for r, v, k in joint.able}
+    visits: dict[Column, Fraction | int] = {("y", r, v): 0 for r, v in joint.leave}
+    if proof.objective == "makespan":
+        columns: set[Column] = {*visits, *busy, MAKESPAN}
+        cost: dict[Column, Fraction | int] = {
+            c: int(c == MAKESPAN) for c in sorted(columns, key=str)
+        }
+    else:
+        cost = {**visits, **dict.fromkeys(busy, 0), **travel}
+    rows = [*_paths(joint, prices), *_services(joint, prices, loads=loads)]
+    rows += _limits(joint, prices, travel, busy, proof.objective)
+    rows += _cuts(joint, proof)
+    if left := prices.left():
+        raise CheckError(f"there is a price of {left}, which is no row of this problem")
+    most: dict[Column, Fraction | int] = {c: worth if c == MAKESPAN else 1 for c in cost}
+    return Relaxation(cost, most, tuple(rows), joint.offset(proof.objective))
+
+
+@dataclass
+class _Prices:
+    """The prices of the rows that are not cuts, each to be asked for once."""
+
+    proof: RootProof
+    open: dict[tuple[str | int, ...], Fraction] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.open = {}
+        for name in (
+            "degree",
+            "leaves",
+            "ends",
+            "served",
+            "present",
+            "walk",
+            "endurance",
+            "makespan",
+        ):
+            for item in getattr(self.proof, name):
+                *about, price = item.model_dump().values()
+                key = (name, *about)
+                if key in self.open:
+                    raise CheckError(f"the price of {_named(key)} is given twice")
+                self.open[key] = Fraction(price)
+
+    def of(self, *key: str | int) -> tuple[str, Fraction]:
+        """Name and price of a row."""
+        return _named(key), self.open.pop(key, Fraction(0))
+
+    def left(self) -> str:
+        """The name of a row that nobody asked for, empty if there is none."""
+        return next((_named(key) for key in self.open), "")
+
+
+def _named(key: tuple[str | int, ...]) -> str:
+    return f"row {key[0]}[{', '.join(map(str, key[1:]))}]"
+
+
+def _travel(joint: Joint) -> dict[Column, Fraction]:
+    time: dict[Column, Fraction] = {}
+    for (r, v), way in joint.leave.items():
+        time["f", r, v] = way
+        time["l", r, v] = joint.back(r, v)
+    return time | {("e", *key): way for key, way in joint.between.items()}
+
+
+def _paths(joint: Joint, prices: _Prices) -> Iterator[Row]:
+    for r, victims in joint.victims_of.items():
+        for v in victims:
+            around: dict[Column, int] = {("f", r, v): 1, ("l", r, v): 1, ("y", r, v): -2}
+            around |= {("e", r, *sorted((v, w))): 1 for w in victims if w != v}
+            name, price = prices.of("degree", r, v)
+            yield Row(name, around, 0, 0, price)
+        first: dict[Column, int] = {("f", r, v): 1 for v in victims}
+        name, price = prices.of("leaves", r)
+        yield Row(name, first, 0, 1, price)
+        name, price = prices.of("ends", r)
+        yield Row(name, first | {("l", r, v): -1 for v in victims}, 0, 0, price)
+
+
+def _services(joint: Joint, prices: _Prices, *, loads: bool) -> Iterator[Row]:
+    able: dict[tuple[int, str], list[int]] = {need: [] for need in sorted(joint.service)}
+    for r, v, k in sorted(joint.able):
+        able[v, k].append(r)
+    for (v, k), robots in able.items():
+        name, price = prices.of("served", v, k)
+        if not loads:
+            yield Row(name, {("y", r, v): 1 for r in robots}, 1, None, price)
+            continue
+        yield Row(name, {("a", r, v, k): 1 for r in robots}, 1, 1, price)
+        for r in robots:
+            name, price = prices.of("present", r, v, k)
+            yield Row(name, {("a", r, v, k): 1, ("y", r, v): -1}, None, 0, price)
+
+
+def _limits(
+    joint: Joint,
+    prices: _Prices,
+    travel: Mapping[Column, Fraction],
+    busy: Mapping[Column, Fraction],
+    objective: str,
+) -> Iterator[Row]:
+    for r in joint.robots:
+        walked, used = (
+            {column: time for column, time in times.items() if column[1] == r and time}
+            for times in (travel, busy)
+        )
+        if r in joint.walk:
+            name, price = prices.of("walk", r)
+            yield Row(name, walked, None, joint.walk[r], price)
+        if joint.endurance is not None:
+            name, price = prices.of("endurance", r)
+            yield Row(name, used, None, joint.endurance, price)
+        if objective == "makespan":
+            name, price = prices.of("makespan", r)
+            yield Row(name, used | {MAKESPAN: Fraction(-1)}, None, 0, price)
+
+
+def _cuts(joint: Joint, proof: RootProof) -> Iterator[Row]:
+    for kind in ("subtour", "outside", "first", "last"):
+        cuts: Iterable[PathCut] = getattr(proof, kind)
+        for number, cut in enumerate(cuts):
+            name = f"cut {kind}[{number}]"
+            _require_valid(joint, name, kind, cut)
+            yield Row(name, _entries(joint, kind, cut), None, 0, Fraction(cut.price))
+
+
+def _require_valid(joint: Joint, name: str, kind: str, cut: PathCut) -> None:
+    own = joint.victims_of.get(cut.robot)
+    if own is None:
+        raise CheckError(f"{name} is about robot {cut.robot}, which is not there")
+    victims = set(cut.victims)
+    if len(victims) < len(cut.victims):
+        raise CheckError(f"{name} holds a victim twice")
+    if not isinstance(cut, SubtourCut):
+        about = victims
+    else:
+        about = victims | {cut.victim}
+        if (cut.victim in victims) != (kind == "subtour"):
+            where = "in" if kind == "subtour" else "outside"
+            raise CheckError(f"{name} holds only for a victim {where} its set, not {cut.victim}")
+    if strange := sorted(about - set(own)):
+        raise CheckError(f"{name} holds victim {strange[0]}, which robot {cut.robot} cannot serve")
+
+
+def _entries(joint: Joint, kind: str, cut: PathCut) -> dict[Column, int]:
+    r, victims = cut.robot, sorted(cut.victims)
+    row: dict[Column, int] = {("e", r, i, j): 1 for i, j in combinations(victims, 2)}
+    row |= {("y", r, v): -1 for v in victims}
+    if kind in ("first", "outside"):
+        row |= {("f", r, v): 1 for v in victims}
+    if kind in ("last", "outside"):
+        row |= {("l", r, v): 1 for v in victims}
+    if kind == "outside":
+        for v in joint.victims_of[r]:
+            row["f", r, v] = row.get(("f", r, v), 0) - 1
+    if isinstance(cut, SubtourCut):
+        row["y", r, cut.victim] = row.get(("y", r, cut.victim), 0) + 1
+    return row

@@ -1,0 +1,116 @@
+"""Improvement for everyone: local search on the routes of any plan, whoever made it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ...mission.errors import InputError
+from ...mission.plan import Plan
+from ...routing.heuristics.ruin_and_recreate import improve
+from ...routing.problem import Objective, Routes
+from ...stages.joint_routing import routing_data
+from ...stages.path_planning import path_planning
+from ...stages.situation import Situation, Stop
+from .planner import Stopwatch
+
+STAGE = "improved"
+OBJECTIVES: tuple[Objective, ...] = ("total_time", "makespan", "latency")
+
+
+def improve_plan(
+    plan: Plan,
+    *,
+    objective: Objective = "total_time",
+    seconds: float | None = None,
+    iterations: int | None = None,
+    seed: int = 0,
+) -> Plan:
+    """A plan that serves the same, and is no worse by `objective`.
+
+    Parameters
+    ----------
+    plan : Plan
+        Any planner's.
+    objective : {"total_time", "makespan", "latency"}
+        What to improve.
+    seconds, iterations, seed
+        As in `local_search.improve`; by default a fixed number of steps, so that the result can be
+        repeated.
+
+    Raises
+    ------
+    InputError
+        If there is no such objective, or the plan keeps to limits, which the search does not know.
+    """
+    check_objective(objective)
+    if plan.limits:
+        raise InputError(
+            f"the plan keeps to {', '.join(plan.limits)}; ask the exact planner for a better one",
+            field="improve",
+        )
+    if not any(route.visits for route in plan.routes):
+        return plan
+    watch = Stopwatch()
+    known = plan.known
+    with watch("improvement"):
+        situation = Situation.of(known)
+        data = routing_data(situation)
+        found = improve(
+            data,
+            routes_of(plan),
+            objective,
+            seconds=seconds,
+            iterations=iterations,
+            seed=seed,
+        )
+        routes = path_planning(known, stops_of(situation, found, STAGE))
+    spent = seconds if seconds is not None else iterations
+    options = {**plan.options, "improve": True if spent is None else spent, "objective": objective}
+    changes: dict[str, Any] = {
+        "routes": routes,
+        "options": options,
+        "planning_seconds": {**plan.planning_seconds, **watch.seconds},
+    }
+    # Validated anew, since figures that the old plan has worked out must not stay with it.
+    fields = {name: getattr(plan, name) for name in Plan.model_fields}
+    better = Plan.model_validate({**fields, **changes})
+    return better if _value(better, objective) <= _value(plan, objective) else plan
+
+
+def _value(plan: Plan, objective: Objective) -> float:
+    return float(getattr(plan.metrics, objective))
+
+
+def check_objective(objective: str) -> None:
+    """Refuse an objective that there is not."""
+    if not isinstance(objective, str) or objective not in OBJECTIVES:
+        raise InputError(f"{objective!r}; give one of {', '.join(OBJECTIVES)}", field="objective")
+
+
+def routes_of(plan: Plan) -> Routes:
+    """Who serves what in which order in `plan`, by positions among its known victims.
+
+    A robot's later visits to a victim are joined to its first.
+    """
+    known = plan.known
+    position = {victim.id: v for v, victim in enumerate(known.victims)}
+    kind = {name: k for k, name in enumerate(known.capabilities)}
+    planned = {route.robot: route.visits for route in plan.routes}
+    routes = []
+    for robot in known.robots:
+        visits: dict[int, list[int]] = {}
+        for visit in planned.get(robot.id, ()):
+            visits.setdefault(position[visit.victim], []).extend(
+                kind[name] for name in visit.served
+            )
+        routes.append(tuple((v, tuple(sorted(kinds))) for v, kinds in visits.items() if kinds))
+    return tuple(routes)
+
+
+def stops_of(situation: Situation, routes: Routes, stage: str) -> Sequence[Stop]:
+    """The queues of `routes`."""
+    cells = situation.instance.cells
+    return [
+        Stop(r, cells[v], stage, v, kinds) for r, route in enumerate(routes) for v, kinds in route
+    ]

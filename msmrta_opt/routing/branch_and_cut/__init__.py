@@ -1,0 +1,1 @@
+"""Total time and makespan: the edge formulation, its cutting planes, and the search tree."""

@@ -1,0 +1,1 @@
+"""Latency: a master program over routes, the pricing problem, and branching."""

@@ -1,0 +1,67 @@
+"""A combinatorial bound on latency, by an assignment of requirements to places in queues.
+
+A requirement g at victim v takes robot r at least
+
+    p_rg = service_g + (least travel of r into v) / (number of kinds that r can serve at v),
+
+since a visit's way in is shared by what is served there. If g is the l-th from the end of r's queue,
+it delays l requirements, itself among them, so for requirements of one weight the least sum of
+completion times is a linear assignment of requirements to places (r, l) at cost ``l p_rg`` (Horn 1973;
+Bruno, Coffman and Sethi 1974). A victim is done no sooner than the mean of its requirements, so each
+has the victim's priority over their number as its weight; unequal weights are taken apart into layers,
+each of one weight and of the requirements that weigh at least so much, and the layers' bounds added
+up. Where it is more, the bound is that of every victim by itself, which asks for the triangle
+inequality: that no detour is shorter than the direct way.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from ...arrays import Floats
+from ..problem import RoutingData
+
+
+def latency_bound(data: RoutingData) -> float:
+    """No routes have a latency below this, in time units times priority."""
+    if not data.required.any():
+        return 0.0
+    return max(_each_alone(data), _in_queues(data))
+
+
+def _each_alone(data: RoutingData) -> float:
+    """Every victim as if it were the only one."""
+    alone = data.leave[:, :, None] + data.service[None]
+    soonest = np.where(data.able, alone, np.inf).min(axis=0)
+    last = np.where(data.required, soonest, 0.0).max(axis=1)
+    return float(data.priority @ last)
+
+
+def _in_queues(data: RoutingData) -> float:
+    victim, kind = np.nonzero(data.required)
+    time = _least_times(data)[:, victim, kind]
+    weight = (data.priority / np.maximum(data.required.sum(axis=1), 1))[victim]
+    bound, below = 0.0, 0.0
+    for level in np.unique(weight[weight > 0]):
+        bound += (level - below) * _unweighted(time[:, weight >= level])
+        below = level
+    return float(bound)
+
+
+def _least_times(data: RoutingData) -> Floats:
+    """p_rg, ``inf`` where r cannot serve g, ``(n_robots, n_victims, n_kinds)``."""
+    away = data.between + np.where(np.eye(data.n_victims, dtype=bool), np.inf, 0.0)
+    away = np.where(data.can_visit[:, :, None], away, np.inf)
+    way_in = np.minimum(data.leave, away.min(axis=1))
+    shared = way_in / np.maximum(data.able.sum(axis=2), 1)
+    return np.where(data.able, data.service[None] + shared[:, :, None], np.inf)
+
+
+def _unweighted(time: Floats) -> float:
+    """Least sum of completion times of jobs on unrelated machines, ``time (n_robots, n_jobs)``."""
+    n_jobs = time.shape[1]
+    place = np.arange(1, n_jobs + 1)
+    cost = (time[:, None, :] * place[None, :, None]).reshape(-1, n_jobs).T
+    jobs, places = linear_sum_assignment(cost)
+    return float(cost[jobs, places].sum())

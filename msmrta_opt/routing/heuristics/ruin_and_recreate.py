@@ -1,0 +1,358 @@
+"""Local search on routes and on who serves what: ruin and recreate under simulated annealing.
+
+A step takes strings of consecutive visits out of routes that lie close together, and puts their
+requirements back one by one where they cost least, whoever can serve them; so relocations, swaps,
+or-opt moves and reassignments of requirements, and splits of victims over robots, are all special cases
+of one move. Worse answers are accepted with a probability that falls as the search goes on.
+
+Source: Christiaens and Vanden Berghe, *Slack induction by string removals for vehicle routing problems*
+(2020); the requirements and the splitting of victims are ours.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from ...mission.errors import InputError
+from ..problem import Objective, Routes, RoutingData, faults, value
+
+AVERAGE_REMOVED = 8
+LONGEST_STRING = 8
+BLINK = 0.02
+"""Probability of passing over a place when a requirement is put back."""
+DARING = 0.2
+"""Share of steps in which robots are not always chosen by price, and of robots priced lower there:
+prices are those of one requirement, and do not see that others would come cheap after it."""
+FIRST_TEMPERATURE, LAST_TEMPERATURE = 2e-2, 1e-4
+"""Relative to the objective's share of one robot."""
+ITERATIONS = 20_000
+"""Steps where neither steps nor seconds are given."""
+
+
+def improve(
+    data: RoutingData,
+    routes: Routes,
+    objective: Objective = "total_time",
+    *,
+    seconds: float | None = None,
+    iterations: int | None = None,
+    seed: int = 0,
+    should_stop: Callable[[], bool] | None = None,
+) -> Routes:
+    """Routes at least as good as `routes`, by local search.
+
+    Parameters
+    ----------
+    data : RoutingData
+        The joint problem.
+    routes : Routes
+        Feasible routes to begin with.
+    objective : {"total_time", "makespan", "latency"}
+        What to minimise.
+    seconds : float, optional
+        Wall time to spend; the result then depends on the machine's speed.
+    iterations : int, optional
+        Steps to make; the same seed then gives the same routes. The default, if `seconds` is not
+        given, is `ITERATIONS`.
+    seed : int
+        Of all random choices.
+    should_stop : callable, optional
+        Asked now and then; the search ends early when it says so.
+
+    Raises
+    ------
+    InputError
+        If `routes` are not feasible.
+    """
+    wrong = faults(data, routes)
+    if wrong:
+        raise InputError(f"these routes cannot be improved: {wrong[0]}", field="routes")
+    if not data.required.any():
+        return routes
+    if seconds is None and iterations is None:
+        iterations = ITERATIONS
+    search = _Search(data, routes, objective, random.Random(seed))
+    search.run(seconds, iterations, should_stop or (lambda: False))
+    found = search.best_routes()
+    # Sums are taken in another order here than there: an equal answer is no improvement.
+    better = value(data, found, objective) < value(data, routes, objective) - 1e-9
+    return found if better else routes
+
+
+class _Search:
+    """The state of one search. Routes hold victims; `who` the robot of each requirement.
+
+    While a requirement is taken out, its robot is -1.
+    """
+
+    def __init__(
+        self, data: RoutingData, routes: Routes, objective: Objective, rng: random.Random
+    ) -> None:
+        self.data, self.objective, self.rng = data, objective, rng
+        required = [(int(v), int(k)) for v, k in np.argwhere(data.required)]
+        place = {need: g for g, need in enumerate(required)}
+        self.victim = [v for v, _ in required]
+        self.kind = [k for _, k in required]
+        self.needs: list[list[int]] = [[] for _ in range(data.n_victims)]
+        for g, v in enumerate(self.victim):
+            self.needs[v].append(g)
+        self.service = [float(data.service[v, k]) for v, k in required]
+        self.able = [[int(r) for r in np.flatnonzero(data.able[:, v, k])] for v, k in required]
+        # Plain lists: reading single numbers from numpy arrays is several times slower.
+        self.leave: list[list[float]] = data.leave.tolist()
+        self.between: list[list[list[float]]] = data.between.tolist()
+        self.back: list[list[float]] = data.back.tolist()
+        self.endurance = data.endurance.tolist()
+        self.longest_walk = data.longest_walk.tolist()
+        self.priority = data.priority.tolist()
+        self.near: dict[int, list[int]] = {v: near.tolist() for v, near in data.nearest.items()}
+        self.needed = sorted(self.near)
+
+        self.routes = [[v for v, _ in route] for route in routes]
+        self.who = [0] * len(required)
+        for r, route in enumerate(routes):
+            for v, kinds in route:
+                for k in kinds:
+                    self.who[place[v, k]] = r
+        self.busy = [self._busy(r) for r in range(data.n_robots)]
+        """Time and travel of each robot on its route."""
+        self.nearest: list[dict[int, tuple[float, int]]] = [{} for _ in routes]
+        """For each robot and victim, on its route as it is: least travel to add, and the place."""
+        self.cost = self._cost()
+        self.best = (self.cost, list(self.routes), list(self.who))
+
+    def run(
+        self, seconds: float | None, iterations: int | None, should_stop: Callable[[], bool]
+    ) -> None:
+        """Search until the time or the steps are used up."""
+        began = time.perf_counter()
+        scale = max(self.cost / (1 if self.objective == "makespan" else self.data.n_robots), 1e-9)
+        step = 0
+        progress = 0.0
+        while progress < 1.0:
+            if step % 64 == 0:
+                if should_stop():
+                    return
+                if seconds is not None:
+                    progress = (time.perf_counter() - began) / max(seconds, 1e-9)
+            if iterations is not None:
+                progress = max(progress, step / iterations if iterations > 0 else 1.0)
+            if progress >= 1.0:
+                return
+            fall = LAST_TEMPERATURE / FIRST_TEMPERATURE
+            self._step(FIRST_TEMPERATURE * scale * fall**progress)
+            step += 1
+
+    def best_routes(self) -> Routes:
+        """The best routes found."""
+        _, routes, who = self.best
+        return tuple(
+            tuple((v, tuple(self.kind[g] for g in self.needs[v] if who[g] == r)) for v in route)
+            for r, route in enumerate(routes)
+        )
+
+    def _step(self, temperature: float) -> None:
+        before = list(self.routes), list(self.who), list(self.busy), list(self.nearest)
+        whole = self._recreate(self._ruin())
+        cost = self._cost() if whole else math.inf
+        if cost >= self.cost - temperature * math.log(self.rng.random() or 1e-12):
+            self.routes, self.who, self.busy, self.nearest = before
+            return
+        self.cost = cost
+        if cost < self.best[0] - 1e-9:
+            self.best = (cost, list(self.routes), list(self.who))
+
+    def _ruin(self) -> list[int]:
+        """Take out strings of visits around a random victim; returns their requirements."""
+        rng, routes = self.rng, self.routes
+        used = [route for route in routes if route]
+        mean = sum(map(len, used)) / len(used)
+        longest = max(1.0, min(LONGEST_STRING, mean))
+        n_strings = int(rng.random() * (4 * AVERAGE_REMOVED / (1 + longest))) + 1
+        removed: list[int] = []
+        ruined: set[int] = set()
+        for v in self.near[rng.choice(self.needed)]:
+            if len(ruined) >= n_strings:
+                break
+            for r in {self.who[g] for g in self.needs[v]} - ruined:
+                route = routes[r]
+                if v not in route:
+                    continue
+                length = int(rng.random() * min(longest, len(route))) + 1
+                at = route.index(v)
+                low = max(0, at - length + 1)
+                start = rng.randint(low, min(at, len(route) - length))
+                for w in route[start : start + length]:
+                    removed += [g for g in self.needs[w] if self.who[g] == r]
+                self._reroute(r, route[:start] + route[start + length :])
+                ruined.add(r)
+        for g in removed:
+            self.who[g] = -1
+        for r in ruined:
+            self.busy[r] = self._busy(r)
+        return removed
+
+    def _reroute(self, r: int, route: list[int]) -> None:
+        """Give robot `r` another route; `busy` is up to the caller."""
+        self.routes[r] = route
+        self.nearest[r] = {}
+
+    def _recreate(self, removed: list[int]) -> bool:
+        """Put requirements back, each where it costs least; whether all of them could be."""
+        rng = self.rng
+        order = rng.random()
+        if order < 0.5:
+            rng.shuffle(removed)
+        elif order < 0.8:
+            removed.sort(key=lambda g: len(self.able[g]))
+        else:
+            removed.sort(key=lambda g: -self.service[g])
+        daring = rng.random() < DARING
+        busy = self.busy
+        for g in removed:
+            v = self.victim[g]
+            best, choice = math.inf, (-1, -1, 0.0)
+            for r in self.able[g]:
+                delay, added, at = self._insertion(r, g)
+                total, walk = busy[r][0] + added + self.service[g], busy[r][1] + added
+                if total > self.endurance[r] + 1e-9 or walk > self.longest_walk[r] + 1e-9:
+                    continue
+                price = total + added if self.objective == "makespan" else delay
+                if daring and rng.random() < DARING:
+                    price *= rng.random()
+                if price < best:
+                    best, choice = price, (r, at, added)
+            r, at, added = choice
+            if r < 0:
+                return False
+            busy[r] = busy[r][0] + added + self.service[g], busy[r][1] + added
+            if at >= 0:
+                self._reroute(r, [*self.routes[r][:at], v, *self.routes[r][at:]])
+            self.who[g] = r
+        return True
+
+    def _insertion(self, r: int, g: int) -> tuple[float, float, int]:
+        """The price of serving `g` by `r`, the added travel, and the place.
+
+        The place is -1 where r visits the victim already. The price is the added travel, for
+        latency the added weighted completion times.
+        """
+        v, route = self.victim[g], self.routes[r]
+        if self.objective == "latency":
+            return self._soonest(r, g)
+        if v in route:
+            return 0.0, 0.0, -1
+        known = self.nearest[r].get(v)
+        if known is None:
+            place = self._nearest(r, v)
+            known = self.nearest[r][v] = self._added(r, v, place), place
+        added, place = known
+        return added, added, place
+
+    def _nearest(self, r: int, v: int) -> int:
+        """The place at which visiting `v` adds the least travel."""
+        route = self.routes[r]
+        if not route:
+            return 0
+        to_v = self.between[r][v]
+        leave, blink = self.leave[r], self.rng.random
+        first = route[0]
+        best, place = leave[v] + to_v[first] - leave[first], 0
+        before = first
+        for i in range(1, len(route)):
+            after = route[i]
+            added = to_v[before] + to_v[after] - self.between[r][before][after]
+            if added < best and blink() > BLINK:
+                best, place = added, i
+            before = after
+        back = self.back[r]
+        if to_v[before] + back[v] - back[before] < best:
+            place = len(route)
+        return place
+
+    def _soonest(self, r: int, g: int) -> tuple[float, float, int]:
+        """As `_insertion`, at the place that adds the least to weighted completion times.
+
+        Victims that r visits later are taken to complete with its visit, even where another robot
+        completes them: the true cost is found when all is put back.
+        """
+        v, route, service = self.victim[g], self.routes[r], self.service[g]
+        done = self._done(r)
+        weight = sum(self.priority[w] for w in route)
+        elsewhere = max(
+            (self._done(q)[self.routes[q].index(v)] for q in self._others(v, r)), default=0.0
+        )
+        best, place, least = math.inf, len(route), 0.0
+        for i, w in enumerate((*route, -1)):
+            if w == v:
+                return service * weight, 0.0, -1
+            added = self._added(r, v, i)
+            leave = self.between[r][route[i - 1]][v] if i else self.leave[r][v]
+            own = (done[i - 1] if i else 0.0) + leave + service
+            price = self.priority[v] * max(own - elsewhere, 0.0) + (added + service) * weight
+            if price < best and (w < 0 or self.rng.random() > BLINK):
+                best, place, least = price, i, added
+            weight -= self.priority[w] if w >= 0 else 0.0
+        return best, least, place
+
+    def _added(self, r: int, v: int, place: int) -> float:
+        """The travel that visiting `v` at `place` adds."""
+        route, between = self.routes[r], self.between[r]
+        if not route:
+            return self.leave[r][v] + self.back[r][v]
+        if place == 0:
+            return self.leave[r][v] + between[v][route[0]] - self.leave[r][route[0]]
+        before = route[place - 1]
+        if place == len(route):
+            return between[before][v] + self.back[r][v] - self.back[r][before]
+        after = route[place]
+        return between[before][v] + between[v][after] - between[before][after]
+
+    def _others(self, v: int, r: int) -> set[int]:
+        """The other robots that serve `v`."""
+        return {self.who[g] for g in self.needs[v]} - {r, -1}
+
+    def _done(self, r: int) -> list[float]:
+        """When each visit of robot `r` is done."""
+        clock, last = 0.0, -1
+        done = []
+        for v in self.routes[r]:
+            clock += self.leave[r][v] if last < 0 else self.between[r][last][v]
+            for g in self.needs[v]:
+                if self.who[g] == r:
+                    clock += self.service[g]
+            done.append(clock)
+            last = v
+        return done
+
+    def _busy(self, r: int) -> tuple[float, float]:
+        """Time and travel of robot `r` on its route."""
+        route = self.routes[r]
+        if not route:
+            return 0.0, 0.0
+        between = self.between[r]
+        travel = self.leave[r][route[0]] + self.back[r][route[-1]]
+        for i in range(len(route) - 1):
+            travel += between[route[i]][route[i + 1]]
+        service = 0.0
+        for v in route:
+            for g in self.needs[v]:
+                if self.who[g] == r:
+                    service += self.service[g]
+        return travel + service, travel
+
+    def _cost(self) -> float:
+        if self.objective != "latency":
+            busy = [total for total, _ in self.busy]
+            # Among equal makespans the least total leads on: a flat objective has no slope.
+            return sum(busy) if self.objective == "total_time" else max(busy) + 1e-4 * sum(busy)
+        completion = [0.0] * self.data.n_victims
+        for r, route in enumerate(self.routes):
+            for v, clock in zip(route, self._done(r), strict=True):
+                completion[v] = max(completion[v], clock)
+        return float(sum(p * c for p, c in zip(self.priority, completion, strict=True)))

@@ -1,0 +1,80 @@
+"""Which values an objective can take at all: bounds may be rounded up to them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from .problem import Objective, RoutingData
+
+_LARGEST_DENOMINATOR = 10_000
+_EXACT = 1e-9
+_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True)
+class Grain:
+    """Which values the objective can take: ``offset`` plus multiples of ``step``; any if it is 0."""
+
+    offset: float
+    step: float
+
+    def up(self, bound: float) -> float:
+        """The least possible value from `bound` on, up to rounding."""
+        if self.step == 0.0 or not math.isfinite(bound):
+            return bound
+        steps = (bound - self.offset) / self.step
+        slack = _ROUNDING * max(1.0, abs(bound)) / self.step
+        # A slack of a step and more would round nothing: such grains are not worth their name.
+        return max(bound, self.offset + self.step * math.ceil(steps - min(slack, 0.5)))
+
+    def below(self, value: float) -> float:
+        """The greatest value that is better than the possible value `value`, up to rounding."""
+        slack = _ROUNDING * max(1.0, abs(value))
+        return value - (self.step - slack if self.step > 2 * slack else slack)
+
+
+def granularity(data: RoutingData, objective: Objective) -> Grain:
+    """Which values `objective` can take, from the exact greatest common divisor of all times.
+
+    Walking distances are whole and speeds are short decimals, so times are fractions with small
+    denominators. If one is not (to 1e-9), nothing is claimed: the step is 0.
+    """
+    offset = data.total_service if objective == "total_time" else 0.0
+    able = data.can_visit
+    both = able[:, :, None] & able[:, None, :]
+    parts = [data.leave[able], data.back[able], data.between[both]]
+    if objective != "total_time":
+        parts.append(data.service[data.required])
+    divisor = Fraction(0)
+    for time in np.unique(np.concatenate(parts)):
+        exact = Fraction(float(time)).limit_denominator(_LARGEST_DENOMINATOR)
+        if abs(float(exact) - time) > _EXACT:
+            return Grain(offset, 0.0)
+        divisor = _common(divisor, exact)
+        if divisor and divisor < Fraction(1, _LARGEST_DENOMINATOR):
+            return Grain(offset, 0.0)
+    return Grain(offset, float(divisor))
+
+
+def latency_grain(data: RoutingData) -> Grain:
+    """Which values latency can take: multiples of the times' divisor times the priorities'."""
+    step = granularity(data, "latency").step
+    divisor = Fraction(0)
+    for priority in set(data.priority.tolist()):
+        exact = Fraction(priority).limit_denominator(_LARGEST_DENOMINATOR)
+        if float(exact) != priority:
+            return Grain(0.0, 0.0)
+        divisor = _common(divisor, exact)
+    return Grain(0.0, step * float(divisor))
+
+
+def _common(a: Fraction, b: Fraction) -> Fraction:
+    """The greatest common divisor of two fractions."""
+    return Fraction(
+        math.gcd(a.numerator * b.denominator, b.numerator * a.denominator),
+        a.denominator * b.denominator,
+    )

@@ -1,0 +1,178 @@
+"""The joint problem in arrays, its answers, and what they are worth.
+
+Serve every requirement exactly once; a victim may be split over robots, a robot may serve several
+requirements in one visit and visits a victim at most once; routes are open, from the start cells,
+unless robots return. Walking is symmetric: between two victims a robot takes the same time both ways.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ..arrays import Bools, Floats, Ints, own_arrays, require_finite
+
+Objective = Literal["total_time", "makespan", "latency"]
+Visit = tuple[int, tuple[int, ...]]
+"""A victim, and the kinds served there."""
+Routes = tuple[tuple[Visit, ...], ...]
+"""Per robot its visits in order; a robot without visits stays at home."""
+
+
+@dataclass(frozen=True, eq=False)
+class RoutingData:
+    """The joint problem, by positions; all times in time units.
+
+    Requirements that no robot can serve are left out before. Travel times of pairs that a robot
+    cannot walk mean nothing and are 0; `able` says which victims it can reach at all, and those
+    that it can reach it can walk between.
+    """
+
+    leave: Floats
+    """Travel of robot r from its start to victim v, ``(n_robots, n_victims)``."""
+    between: Floats
+    """Travel of robot r between victims, symmetric, ``(n_robots, n_victims, n_victims)``."""
+    back: Floats
+    """Travel of r from v back to its start; zero for open routes, ``(n_robots, n_victims)``."""
+    service: Floats
+    """Service time of kind k at victim v, ``(n_victims, n_kinds)``."""
+    able: Bools
+    """Whether r can serve kind k at v: needed, capable, and reachable,
+    ``(n_robots, n_victims, n_kinds)``."""
+    priority: Floats
+    """Weight of victim v's completion time, ``(n_victims,)``."""
+    endurance: Floats
+    """Longest time that r may be busy, ``inf`` for no limit, ``(n_robots,)``."""
+    longest_walk: Floats
+    """Longest travel time of r, ``inf`` for no limit, ``(n_robots,)``."""
+
+    def __post_init__(self) -> None:
+        own_arrays(self)
+        n, m, kinds = self.able.shape
+        for name, shape in {
+            "leave": (n, m),
+            "between": (n, m, m),
+            "back": (n, m),
+            "service": (m, kinds),
+            "priority": (m,),
+            "endurance": (n,),
+            "longest_walk": (n,),
+        }.items():
+            if getattr(self, name).shape != shape:
+                raise ValueError(f"{name} has shape {getattr(self, name).shape}; give {shape}")
+        require_finite(leave=self.leave, between=self.between, back=self.back, service=self.service)
+
+    @property
+    def n_robots(self) -> int:
+        """N."""
+        return int(self.able.shape[0])
+
+    @property
+    def n_victims(self) -> int:
+        """M."""
+        return int(self.able.shape[1])
+
+    @property
+    def n_kinds(self) -> int:
+        """Number of kinds of requirement."""
+        return int(self.able.shape[2])
+
+    @cached_property
+    def required(self) -> Bools:
+        """Requirements to be served, ``(n_victims, n_kinds)``."""
+        return np.asarray(self.able.any(axis=0))
+
+    @cached_property
+    def can_visit(self) -> Bools:
+        """Whether r can serve something at v, ``(n_robots, n_victims)``."""
+        return np.asarray(self.able.any(axis=2))
+
+    @cached_property
+    def nearest(self) -> dict[int, Ints]:
+        """The victims that need something, the nearest first, for each of them."""
+        needed = np.asarray(self.required.any(axis=1))
+        order = np.argsort(self.between.max(axis=0), axis=1, kind="stable")
+        return {int(v): order[v][needed[order[v]]] for v in np.flatnonzero(needed)}
+
+    @property
+    def total_service(self) -> float:
+        """Service time of all requirements: part of every answer's total time."""
+        return float(self.service[self.required].sum())
+
+
+@dataclass(frozen=True, eq=False)
+class Times:
+    """When things happen on `Routes`, in time units."""
+
+    travel: Floats
+    """Travel per robot, the way back included, ``(n_robots,)``."""
+    busy: Floats
+    """When each robot is done, 0 if it stays at home, ``(n_robots,)``."""
+    completion: Floats
+    """When each victim's last requirement is done, 0 if none is served, ``(n_victims,)``."""
+
+
+def times(data: RoutingData, routes: Routes) -> Times:
+    """Travel, finishing and completion times of `routes`."""
+    travel = np.zeros(data.n_robots)
+    busy = np.zeros(data.n_robots)
+    completion = np.zeros(data.n_victims)
+    for r, route in enumerate(routes):
+        last: int | None = None
+        for v, kinds in route:
+            step = data.leave[r, v] if last is None else data.between[r, last, v]
+            travel[r] += step
+            busy[r] += step + data.service[v, list(kinds)].sum()
+            completion[v] = max(completion[v], busy[r])
+            last = v
+        if last is not None:
+            travel[r] += data.back[r, last]
+            busy[r] += data.back[r, last]
+    return Times(travel, busy, completion)
+
+
+def value(data: RoutingData, routes: Routes, objective: Objective) -> float:
+    """What `routes` are worth: to be minimised.
+
+    ``total_time`` sums the robots' travel and service, ``makespan`` is when the last robot is done,
+    ``latency`` sums the victims' completion times, weighted by priority.
+    """
+    at = times(data, routes)
+    if objective == "total_time":
+        return float(at.busy.sum())
+    if objective == "makespan":
+        return float(at.busy.max(initial=0.0))
+    return float(data.priority @ at.completion)
+
+
+def faults(data: RoutingData, routes: Routes) -> list[str]:
+    """What is wrong with `routes`, one line each; empty if nothing is."""
+    wrong: list[str] = []
+    served: Counter[tuple[int, int]] = Counter()
+    if len(routes) != data.n_robots:
+        return [f"{len(routes)} routes for {data.n_robots} robots"]
+    for r, route in enumerate(routes):
+        visits = Counter(v for v, _ in route)
+        wrong += [f"robot {r} visits victim {v} {n} times" for v, n in visits.items() if n > 1]
+        for v, kinds in route:
+            if not kinds:
+                wrong.append(f"robot {r} visits victim {v} for nothing")
+            for k in kinds:
+                served[v, k] += 1
+                if not data.able[r, v, k]:
+                    wrong.append(f"robot {r} cannot serve kind {k} at victim {v}")
+    for v, k in np.argwhere(data.required):
+        if served[int(v), int(k)] != 1:
+            wrong.append(f"kind {k} at victim {v} is served {served[int(v), int(k)]} times")
+    at = times(data, routes)
+    slack = 1e-6
+    for r in range(data.n_robots):
+        if at.busy[r] > data.endurance[r] + slack:
+            wrong.append(f"robot {r} is busy for {at.busy[r]:g}, beyond {data.endurance[r]:g}")
+        if at.travel[r] > data.longest_walk[r] + slack:
+            wrong.append(f"robot {r} travels for {at.travel[r]:g}, beyond {data.longest_walk[r]:g}")
+    return wrong

@@ -1,0 +1,166 @@
+"""Formulations of one stage, which have different objectives, on common metrics.
+
+Each formulation takes its place in the staged planner; the plan that comes of it is measured, and so
+are both of the paper's equations at what was chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...mission.errors import InputError, MsmrtaError
+from ...mission.instance import Instance
+from ...mission.plan import Plan
+from ...optimise import registry
+from ...planners import plan as make_plan
+from ...stages.cluster_assignment import cluster_data
+from ...stages.clustering import clustering
+from ...stages.data import stage_data
+from ...stages.options import StagedOptions
+from ...stages.requirement_analysis import requirement_analysis
+from ...stages.situation import Situation
+from ..isolate import Failure, run_isolated
+
+STAGES = {"clustering": "clustering_model", "cluster": "cluster_model", "victim": "victim_model"}
+"""Stages of the staged planner, and the option that names their formulation."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """A formulation in the staged planner, on one instance.
+
+    ``eq1`` and ``eq2`` are the paper's objectives at what was chosen, by the options' ψ and β;
+    distances are in cells, times in time units. ``message`` says why there are no figures.
+    """
+
+    instance: str
+    model: str
+    eq1: float | None = None
+    eq2: float | None = None
+    served_in_b2: int | None = None
+    served_in_b3: int | None = None
+    served_in_b4: int | None = None
+    distance: int | None = None
+    makespan: float | None = None
+    total_time: float | None = None
+    mean_completion: float | None = None
+    message: str = ""
+
+
+def score(
+    instance: Instance, stage: str, model: str, options: StagedOptions | None = None
+) -> Score:
+    """Plan `instance` with `model` in its stage, and measure the plan.
+
+    Parameters
+    ----------
+    instance : Instance
+        The mission.
+    stage : str
+        One of `STAGES`.
+    model : str
+        A formulation of that stage.
+    options : StagedOptions, optional
+        All else; the defaults are the planner's.
+
+    Raises
+    ------
+    InputError
+        If the staged planner has no such stage.
+    """
+    if stage not in STAGES:
+        raise InputError(f"{stage!r}; give one of {', '.join(STAGES)}", field="stage")
+    options = StagedOptions(**{**(options or StagedOptions()).as_dict(), STAGES[stage]: model})
+    try:
+        plan = make_plan(instance, **options.as_dict())
+    except MsmrtaError as error:
+        return Score(instance.name, model, message=str(error))
+    served = {
+        stage_name: sum(
+            len(visit.served)
+            for route in plan.routes
+            for visit in route.visits
+            if visit.stage == stage_name
+        )
+        for stage_name in ("B2", "B3", "B4")
+    }
+    return Score(
+        instance.name,
+        model,
+        eq1=_eq1(plan, options),
+        eq2=_eq2(plan, options),
+        served_in_b2=served["B2"],
+        served_in_b3=served["B3"],
+        served_in_b4=served["B4"],
+        distance=plan.metrics.distance,
+        makespan=plan.metrics.makespan,
+        total_time=plan.metrics.total_time,
+        mean_completion=plan.metrics.mean_completion,
+    )
+
+
+def scores(
+    instances: Sequence[Instance],
+    *,
+    stage: str,
+    models: Sequence[str],
+    options: StagedOptions,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
+) -> Iterator[Score]:
+    """`score` of every formulation on every instance, each in a process of its own."""
+    if stage not in STAGES:
+        return
+    folders = tuple(str(folder) for folder in registry.folders())
+    calls = [(i, stage, model, options, folders) for i in instances for model in models]
+    results = run_isolated(
+        _score_isolated,
+        calls,
+        time_limit=time_limit,
+        memory_limit=memory_limit,
+        preload=("msmrta_opt.studies.analysis.score",),
+    )
+    for index, result in sorted(results, key=lambda item: item[0]):
+        failed = isinstance(result, Failure)
+        yield (
+            Score(calls[index][0].name, calls[index][2], message=result.message)
+            if failed
+            else result
+        )
+
+
+def _score_isolated(
+    instance: Instance, stage: str, model: str, options: StagedOptions, folders: tuple[str, ...]
+) -> Score:
+    for folder in folders:
+        registry.add_models(folder)
+    return score(instance, stage, model, options)
+
+
+def _eq1(plan: Plan, options: StagedOptions) -> float:
+    """Σ [(1 − ψ) w + ψ w^f] x of Eq. 1, where x is who took which cluster."""
+    known = plan.known
+    if not known.n_victims:
+        return 0.0
+    situation = Situation.of(known)
+    analysis = requirement_analysis(known.P, known.Q)
+    data = cluster_data(situation, analysis, clustering(situation, options), options)
+    x = np.array(
+        [[robot.id in record.robots for record in plan.clusters] for robot in known.robots]
+    )
+    return float((((1 - options.psi) * data.w + options.psi * data.w_full) * x).sum())
+
+
+def _eq2(plan: Plan, options: StagedOptions) -> float:
+    """Σ [(1 − β) S + β F] x of Eq. 2, where x is who was assigned which victim in stage B3."""
+    data = stage_data(plan.instance, "victim", options)
+    known = [victim.id for victim in plan.known.victims]
+    x = np.zeros(data.can_serve.shape)
+    for r, robot in enumerate(plan.instance.robots):
+        for visit in plan.route(robot.id).visits:
+            if visit.stage == "B3":
+                x[r, known.index(visit.victim)] = 1.0
+    return float((((1 - options.beta) * data.success + options.beta * data.failure) * x).sum())

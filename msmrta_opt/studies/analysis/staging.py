@@ -1,0 +1,147 @@
+"""The price of deciding in stages: planners beside a proven bound, each stage's share of the loss.
+
+The staged plan is taken apart from its end: first only the order of its visits is free, then also what
+the auction decided, then what Eq. 2 decided, then all. Each step is solved by the strong method with the
+earlier decisions fixed, so each stage's loss is the difference of two values, each with its bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...mission.instance import Instance
+from ...mission.metrics import Metrics
+from ...mission.plan import Plan
+from ...planners import plan as make_plan
+from ...planners.support.improvement import routes_of
+from ...routing.bound import gap
+from ...routing.branch_and_cut.search import strong_bound
+from ...routing.heuristics.ruin_and_recreate import improve
+from ...routing.problem import Objective, RoutingData, value
+from ...stages.joint_routing import routing_data
+from ...stages.situation import Situation
+
+STEPS: tuple[tuple[str, frozenset[str]], ...] = (
+    ("order of visits", frozenset({"B2", "B3", "B4"})),
+    ("auction (B4)", frozenset({"B2", "B3"})),
+    ("victim assignment (B3)", frozenset({"B2"})),
+    ("cluster assignment (B2)", frozenset()),
+)
+"""What each step frees, and the stages whose assignments it still keeps."""
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What one stage costs: ``before - after``, where `after` has that stage's decisions free too.
+
+    `bound` is proven for `after`; all in time units.
+    """
+
+    stage: str
+    before: float
+    after: float
+    bound: float
+
+    @property
+    def loss(self) -> float:
+        """What deciding this stage before the next ones, and without them, costs."""
+        return self.before - self.after
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One plan for a mission, with what is proven about its objective."""
+
+    name: str
+    metrics: Metrics
+    value: float
+    bound: float
+
+    @property
+    def gap(self) -> float:
+        """Share of the value that the bound leaves open."""
+        return gap(self.value, self.bound)
+
+
+def price_of_staging(
+    plan: Plan, objective: Objective = "total_time", *, seconds: float = 10.0, seed: int = 0
+) -> list[Loss]:
+    """How much of a staged plan's loss is due to which stage.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of the staged planner, whose visits are named by their stages.
+    objective : {"total_time", "makespan"}
+        What is measured.
+    seconds : float
+        For each of the four steps.
+    seed : int
+        Of the search.
+    """
+    situation = Situation.of(plan.known)
+    data = routing_data(situation)
+    routes = routes_of(plan)
+    before = float(getattr(plan.metrics, objective))
+    losses = []
+    for stage, kept in STEPS:
+        narrowed = replace(data, able=_able_with(plan, data, kept))
+        start = improve(narrowed, routes, objective, seconds=0.1 * seconds, seed=seed)
+        routes, bound = strong_bound(narrowed, objective, start, time_limit=seconds, seed=seed)
+        after = value(narrowed, routes, objective)
+        losses.append(Loss(stage, before, after, bound.value))
+        before = after
+    return losses
+
+
+def _able_with(plan: Plan, data: RoutingData, kept: frozenset[str]) -> np.ndarray:
+    """Who may serve what, ``(n_robots, n_victims, n_kinds)``, if the stages `kept` stay as they are."""
+    known = plan.known
+    victim = {record.id: v for v, record in enumerate(known.victims)}
+    able = data.able.copy()
+    for r, robot in enumerate(known.robots):
+        for visit in plan.route(robot.id).visits:
+            if visit.stage in kept:
+                for kind in visit.served:
+                    v, k = victim[visit.victim], known.capabilities.index(kind)
+                    able[:, v, k] = False
+                    able[r, v, k] = True
+    return able
+
+
+def candidates(
+    mission: Instance,
+    objective: Objective = "total_time",
+    *,
+    planners: Sequence[str] = ("msmrta", "mrga", "ssi", "greedy"),
+    seconds: float = 30.0,
+    seed: int = 0,
+) -> list[Candidate]:
+    """Every planner's plan, the same improved by a second of search, and the exact planner's.
+
+    Parameters
+    ----------
+    planners : sequence of str
+        Which; the staged one is planned by both of its presets.
+    seconds : float
+        For the exact planner.
+    """
+    exact = make_plan(mission, planner="exact", objective=objective, time_limit=seconds, seed=seed)
+    bound = exact.certificates[0].bound or 0.0
+    plans: dict[str, Plan] = {}
+    for name in planners:
+        for preset in ("paper", "authors") if name == "msmrta" else (None,):
+            title = name if preset is None else f"{name}, {preset}"
+            options = {"seed": seed} if preset is None else {"seed": seed, "preset": preset}
+            plans[title] = make_plan(mission, planner=name, **options)
+            plans[f"{title}, improved"] = make_plan(
+                mission, planner=name, improve=1.0, objective=objective, **options
+            )
+    plans["exact"] = exact
+    return [
+        Candidate(name, plan.metrics, float(getattr(plan.metrics, objective)), bound)
+        for name, plan in plans.items()
+    ]

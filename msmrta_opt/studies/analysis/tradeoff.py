@@ -1,0 +1,333 @@
+"""What ψ and β do to a mission: every assignment that is ever optimal, and where they change.
+
+The cost of Eq. 1 is linear in ψ and that of Eq. 2 in β, so each optimum holds on an interval, and the
+intervals are found exactly (`optimise.parametric`), not sampled. Over both at once: ψ decides stage
+B2 and through it the data of Eq. 2, so the unit square falls into strips, one per piece of ψ, each
+cut by the breakpoints of β there. Within a region the plan stays the same, up to ties.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, Literal, overload
+
+import numpy as np
+
+from ...mission.errors import InputError
+from ...mission.instance import Instance
+from ...mission.metrics import Metrics
+from ...mission.plan import Plan
+from ...optimise import registry
+from ...optimise.frontier import Frontier, frontier, optima
+from ...optimise.parametric import Envelope, Family, Line, Piece, envelope
+from ...optimise.solve import compile_for, solve
+from ...planners import plan as make_plan
+from ...stages.data import stage_data
+from ...stages.options import StagedOptions
+
+Over = Literal["psi", "beta"]
+STAGE: dict[str, str] = {"psi": "cluster", "beta": "victim"}
+MOST_TIES = 20
+"""Most optimal assignments that are reported of one breakpoint."""
+
+Assignment = tuple[tuple[int, ...], ...]
+"""Per robot, in the mission's order, what it takes: clusters (Eq. 1) or victims (Eq. 2), by position."""
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """An interval of the parameter with one optimal line, and the plan that comes of it.
+
+    ``objectives`` are the two that the parameter weighs: the values at 0 and at 1 of what is chosen
+    here. ``unique`` says whether nothing else is optimal inside the interval; where something is,
+    ``assignment`` and ``plan`` are what the planner chooses in the middle.
+    """
+
+    low: Fraction
+    high: Fraction
+    objectives: tuple[Fraction, Fraction]
+    assignment: Assignment
+    unique: bool
+    plan: Plan
+
+    @property
+    def slope(self) -> Fraction:
+        """Change of the optimal value over the unit interval."""
+        return self.objectives[1] - self.objectives[0]
+
+    def value(self, t: Fraction | float) -> Fraction | float:
+        """The optimal value at `t`."""
+        return self.objectives[0] + t * self.slope
+
+    @property
+    def metrics(self) -> Metrics:
+        """Of the plan."""
+        return self.plan.metrics
+
+
+@dataclass(frozen=True, eq=False)
+class Tradeoff:
+    """All pieces over one parameter.
+
+    Parameters
+    ----------
+    segments : tuple of Segment
+        In order, covering [0, 1].
+    ties : dict of Fraction to tuple of Assignment
+        At each breakpoint all optimal assignments, up to `MOST_TIES`.
+    more_ties : frozenset of Fraction
+        Breakpoints that have more of them.
+    frontier : Frontier
+        Every point that nothing dominates, whether a weight reaches it or not.
+    frontier_assignments : tuple of Assignment
+        One that gives each point of the frontier.
+    names : tuple of str
+        What an assignment's positions stand for: ``C0``, … for clusters, ``v0``, … for victims by id.
+    exact : bool
+        Whether breakpoints are exact fractions of rational data.
+    n_solves : int
+        Programs solved for the segments.
+    """
+
+    over: str
+    model: str
+    sense: str
+    segments: tuple[Segment, ...]
+    ties: dict[Fraction, tuple[Assignment, ...]]
+    more_ties: frozenset[Fraction]
+    frontier: Frontier
+    frontier_assignments: tuple[Assignment, ...]
+    names: tuple[str, ...]
+    exact: bool
+    n_solves: int
+
+    @property
+    def breakpoints(self) -> list[Fraction]:
+        """Where the optimum changes."""
+        return [segment.low for segment in self.segments[1:]]
+
+    def at(self, t: Fraction | float) -> Segment:
+        """The segment that holds `t`; at a breakpoint the left one."""
+        return next(segment for segment in self.segments if t <= segment.high)
+
+    def named(self, assignment: Assignment) -> list[str]:
+        """Per robot the names of what it takes: ``C1``, or ``v3+v7``; empty for nothing."""
+        return ["+".join(self.names[i] for i in taken) for taken in assignment]
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A rectangle of the ψ × β square in which the plan stays the same, up to ties.
+
+    ``unique`` says whether there are none inside: neither Eq. 1 nor Eq. 2 has another optimum.
+    """
+
+    psi: tuple[Fraction, Fraction]
+    beta: tuple[Fraction, Fraction]
+    plan: Plan
+    unique: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Regions:
+    """The whole square, in regions; ``exact`` as in `Tradeoff`."""
+
+    regions: tuple[Region, ...]
+    exact: bool
+    n_solves: int
+
+    @property
+    def plans(self) -> list[Plan]:
+        """The plans that differ in what the robots do."""
+        kept: dict[Any, Plan] = {}
+        for region in self.regions:
+            kept.setdefault(region.plan.routes, region.plan)
+        return list(kept.values())
+
+
+@overload
+def tradeoff(
+    mission: Instance, over: Over = ..., *, model: str | None = ..., **options: Any
+) -> Tradeoff: ...
+@overload
+def tradeoff(
+    mission: Instance, over: Sequence[str], *, model: None = ..., **options: Any
+) -> Regions: ...
+def tradeoff(
+    mission: Instance,
+    over: str | Sequence[str] = "psi",
+    *,
+    model: str | None = None,
+    **options: Any,
+) -> Tradeoff | Regions:
+    """Every piece of the optimal value over ψ (Eq. 1) or β (Eq. 2), or every region over both.
+
+    Parameters
+    ----------
+    mission : Instance
+        What is planned.
+    over : {"psi", "beta", ("psi", "beta")}
+        The parameter that runs over [0, 1], or both.
+    model : str, optional
+        The formulation; by default that of the options. Over both give ``cluster_model`` and
+        ``victim_model`` instead.
+    **options
+        Of the staged planner, as for `plan`: a preset, the other parameter, and so on.
+
+    Returns
+    -------
+    Tradeoff or Regions
+        `Regions` over both, as `tradeoff_regions`.
+
+    Raises
+    ------
+    InputError
+        If an option is wrong.
+    ModelError
+        If the formulation's value is not linear in the parameter, so that it has no such pieces.
+    """
+    if not isinstance(over, str) and sorted(over) == ["beta", "psi"]:
+        if model is not None:
+            raise InputError(
+                f"{model!r}; over both give cluster_model and victim_model", field="model"
+            )
+        return tradeoff_regions(mission, **options)
+    if not isinstance(over, str) or over not in STAGE:
+        raise InputError(f"{over!r}; give psi, beta, or both", field="over")
+    stage = STAGE[over]
+    settings = _settings(options, stage, model)
+    chosen = getattr(settings, f"{stage}_model")
+    problem = _Problem(mission, over, chosen, settings)
+    segments = tuple(_segment(problem, piece) for piece in problem.envelope.pieces)
+    family, pieces = problem.family, problem.envelope
+    ties, more = {}, set()
+    for t in pieces.breakpoints:
+        lines, all_of_them = optima(family, t, most=MOST_TIES)
+        ties[t] = tuple(assignment(family, line) for line in lines)
+        if not all_of_them:
+            more.add(t)
+    front = frontier(family, pieces)
+    return Tradeoff(
+        over=over,
+        model=chosen,
+        sense=family.program.sense,
+        segments=segments,
+        ties=ties,
+        more_ties=frozenset(more),
+        frontier=front,
+        frontier_assignments=tuple(assignment(family, point.line) for point in front.points),
+        names=_names(over, segments[0].plan),
+        exact=pieces.exact,
+        n_solves=pieces.n_solves,
+    )
+
+
+def tradeoff_regions(mission: Instance, **options: Any) -> Regions:
+    """The regions of the ψ × β square in which the staged plan stays the same.
+
+    The work grows with the number of regions, not with a resolution.
+
+    Parameters
+    ----------
+    mission : Instance
+        What is planned.
+    **options
+        Of the staged planner, as for `plan`.
+
+    Raises
+    ------
+    InputError
+        If an option is wrong.
+    ModelError
+        If a formulation's value is not linear in its parameter.
+    """
+    settings = _settings(options, "cluster", None)
+    eq1 = _Problem(mission, "psi", settings.cluster_model, settings)
+    regions: list[Region] = []
+    exact, n_solves = eq1.envelope.exact, eq1.envelope.n_solves
+    for strip in eq1.envelope.pieces:
+        here = replace(settings, psi=_middle(strip.low, strip.high))
+        one_post = eq1.is_unique(strip)
+        for low, high, one_choice, eq2 in _beta_intervals(mission, here):
+            plan = make_plan(mission, **replace(here, beta=_middle(low, high)).as_dict())
+            unique = one_post and one_choice
+            regions.append(Region((strip.low, strip.high), (low, high), plan, unique))
+            if eq2 is not None and low == 0:
+                exact, n_solves = exact and eq2.exact, n_solves + eq2.n_solves
+    return Regions(tuple(regions), exact, n_solves)
+
+
+def _beta_intervals(
+    mission: Instance, settings: StagedOptions
+) -> list[tuple[Fraction, Fraction, bool, Envelope | None]]:
+    """Per interval of β its ends, whether its optimum is unique, and the envelope it is of."""
+    if not stage_data(mission, "victim", settings).can_serve.any():
+        return [(Fraction(0), Fraction(1), True, None)]
+    eq2 = _Problem(mission, "beta", settings.victim_model, settings)
+    return [
+        (piece.low, piece.high, eq2.is_unique(piece), eq2.envelope) for piece in eq2.envelope.pieces
+    ]
+
+
+class _Problem:
+    """One stage's formulation on a mission, solved for all values of its parameter."""
+
+    def __init__(self, mission: Instance, over: str, model: str, settings: StagedOptions) -> None:
+        self.mission, self.over, self.settings = mission, over, settings
+        self.model = registry.get(model, stage=STAGE[over])
+        self.data = stage_data(mission, STAGE[over], settings)
+        self.family = Family(compile_for(self.model, self.data), over)
+        self.envelope = envelope(self.family)
+
+    def is_unique(self, piece: Piece) -> bool:
+        """Whether nothing else is optimal inside `piece`."""
+        lines, all_of_them = optima(self.family, (piece.low + piece.high) / 2, most=2)
+        return len(lines) == 1 and all_of_them
+
+    def chosen_by_planner(self, piece: Piece) -> Line:
+        """What the planner takes in the middle of `piece`, where several points are optimal."""
+        middle: dict[str, Any] = {self.over: _middle(piece.low, piece.high)}
+        values = solve(self.model, self.data, **middle).require().values
+        line = self.family.line(self.family.program.flat(values))
+        return line if line.same_line(piece.line) else piece.line
+
+
+def _settings(options: dict[str, Any], stage: str, model: str | None) -> StagedOptions:
+    given = dict(options)
+    preset = given.pop("preset", "paper")
+    if model is not None:
+        given[f"{stage}_model"] = model
+    return StagedOptions.of(preset, **given)
+
+
+def _segment(problem: _Problem, piece: Piece) -> Segment:
+    line = problem.chosen_by_planner(piece)
+    changed: dict[str, Any] = {problem.over: _middle(piece.low, piece.high)}
+    at = replace(problem.settings, **changed)
+    return Segment(
+        low=piece.low,
+        high=piece.high,
+        objectives=(line.at_zero, line.at_one),
+        assignment=assignment(problem.family, line),
+        unique=problem.is_unique(piece),
+        plan=make_plan(problem.mission, **at.as_dict()),
+    )
+
+
+def _names(over: str, plan: Plan) -> tuple[str, ...]:
+    if over == "psi":
+        return tuple(f"C{c}" for c in range(len(plan.clusters)))
+    missed = plan.scouting.not_found if plan.scouting else ()
+    return tuple(f"v{victim.id}" for victim in plan.instance.victims if victim.id not in missed)
+
+
+def assignment(family: Family, line: Line) -> Assignment:
+    """Per robot what it takes at a point, by position: clusters for Eq. 1, victims for Eq. 2."""
+    x = family.program.shaped(line.x)["x"]
+    return tuple(tuple(int(i) for i in np.flatnonzero(row > 0.5)) for row in x)
+
+
+def _middle(low: Fraction, high: Fraction) -> float:
+    return float((low + high) / 2)

@@ -1,0 +1,109 @@
+"""The joint problem in exact numbers, by hand: distances, limits, and which values are possible."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from msmrta_opt.certify.joint_problem import Joint, exact, greatest_common_divisor, steps_from
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.maps import grid_from_rows
+from msmrta_opt.mission.plan import Plan
+
+
+@pytest.mark.parametrize(
+    ("number", "fraction"),
+    [
+        (0.3, Fraction(3, 10)),
+        (1 / 3, Fraction(1, 3)),
+        (12, Fraction(12)),
+        (0, Fraction(0)),
+        (0.0001, Fraction(1, 10_000)),
+        (math.pi, Fraction(math.pi)),
+    ],
+)
+def test_a_number_is_the_fraction_that_it_is_written_for(number: float, fraction: Fraction) -> None:
+    assert exact(number) == fraction
+
+
+def test_the_greatest_common_divisor_of_times_is_exact() -> None:
+    """1/0.3 and 1/0.4 are 10/3 and 5/2, both multiples of 5/6."""
+    thirds, halves = Fraction(10, 3), Fraction(5, 2)
+    assert greatest_common_divisor([thirds, halves]) == Fraction(5, 6)
+    assert greatest_common_divisor([Fraction(0), Fraction(4)]) == 4
+    assert greatest_common_divisor([]) == 0
+
+
+def test_steps_go_around_walls_and_not_through_them() -> None:
+    grid = grid_from_rows(["..@.", ".@@.", "...."])
+    assert steps_from(grid, (0, 1)) == {
+        (0, 1): 0,
+        (0, 0): 1,
+        (1, 0): 2,
+        (2, 0): 3,
+        (2, 1): 4,
+        (2, 2): 5,
+        (2, 3): 6,
+        (1, 3): 7,
+        (0, 3): 8,
+    }
+    assert steps_from(grid_from_rows([".@."]), (0, 0)) == {(0, 0): 0}
+
+
+@pytest.fixture
+def corridor(instances_dir: Path) -> Instance:
+    """A robot at 1 of five cells in a row, victims at 0 and 4, service 2 each, speed 1."""
+    return Instance.read(instances_dir / "corridor.json")
+
+
+def joint(instance: Instance, **options: object) -> Joint:
+    return Joint.of(Plan(instance=instance, planner="none", options=options, routes=()))
+
+
+def test_times_are_those_of_walking(corridor: Instance) -> None:
+    found = joint(corridor)
+    assert found.leave == {(0, 0): 1, (0, 1): 3}
+    assert found.between == {(0, 0, 1): 4}
+    assert found.total_service == 4
+    assert [found.back(0, v) for v in (0, 1)] == [0, 0]
+    assert [joint(corridor, return_to_start=True).back(0, v) for v in (0, 1)] == [1, 3]
+
+
+@pytest.mark.parametrize(
+    ("limits", "victims"),
+    [
+        ({}, {0, 1}),
+        ({"endurance": 5}, {0, 1}),
+        ({"endurance": 4.9}, {0}),
+        ({"longest_walk": 3}, {0, 1}),
+        ({"longest_walk": 2}, {0}),
+        ({"longest_walk": 5, "return_to_start": True}, {0}),
+        ({"endurance": 7, "return_to_start": True}, {0}),
+        ({"longest_walk": 0}, set()),
+    ],
+)
+def test_what_a_robot_cannot_serve_alone_within_its_limits_is_left_out(
+    corridor: Instance, limits: dict[str, object], victims: set[int]
+) -> None:
+    assert {v for _, v, _ in joint(corridor, **limits).able} == victims
+
+
+def test_bounds_are_rounded_up_to_possible_values(corridor: Instance) -> None:
+    """Moves take 1: total time is 4 and a whole number more; of service 2 the makespan, too."""
+    found = joint(corridor)
+    assert found.up(Fraction(4), "total_time") == 4
+    assert found.up(Fraction("8.001"), "total_time") == 9
+    assert found.up(Fraction("8.001"), "makespan") == 9
+    assert found.up(Fraction(-7), "total_time") == -7
+    only = corridor.replace(victims=(corridor.victims[1],))
+    assert joint(only).up(Fraction("2.1"), "total_time") == 5  # 2 of service, 3 of way or nothing
+
+
+def test_each_requirement_alone_is_a_bound(corridor: Instance) -> None:
+    """Victim 1 is 3 away; service takes 4 in all, 2 of it at victim 1."""
+    assert joint(corridor).at_once("total_time") == 7
+    assert joint(corridor).at_once("makespan") == 5
+    assert joint(corridor.replace(victims=())).at_once("makespan") == 0

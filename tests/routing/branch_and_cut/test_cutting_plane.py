@@ -1,0 +1,161 @@
+"""The relaxation: as good as the linear program written out, and never too good to be true."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from support.joint_cases import any_routes, on_a_line, small_mission
+from support.joint_oracle import least
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.optimise.check import dual_bound
+from msmrta_opt.optimise.program import Program
+from msmrta_opt.routing.branch_and_cut.cutting_plane import Relaxation
+from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
+from msmrta_opt.routing.branch_and_cut.separation import Cut
+from msmrta_opt.routing.problem import RoutingData, value
+
+OBJECTIVES = ("total_time", "makespan")
+
+
+def all_cuts(data: RoutingData) -> list[Cut]:
+    """Every subtour and path cut of every robot."""
+    cuts = []
+    for r in range(data.n_robots):
+        own = np.flatnonzero(data.can_visit[r]).tolist()
+        for size in range(1, len(own) + 1):
+            for members in combinations(own, size):
+                cuts += [Cut(r, members, first=True), Cut(r, members, last=True)]
+                cuts += [Cut(r, members, vertex=v) for v in members]
+    return cuts
+
+
+def by_linprog(program: Program) -> float:
+    """The linear program's value by SciPy, without anything of ours but the arrays."""
+    equal = program.row_lower == program.row_upper
+    above = np.isfinite(program.row_upper) & ~equal
+    below = np.isfinite(program.row_lower) & ~equal
+    matrix = program.matrix.toarray()
+    answer = linprog(
+        program.cost,
+        A_ub=np.vstack([matrix[above], -matrix[below]]),
+        b_ub=np.concatenate([program.row_upper[above], -program.row_lower[below]]),
+        A_eq=matrix[equal],
+        b_eq=program.row_upper[equal],
+        bounds=np.column_stack([program.lower, program.upper]),
+    )
+    assert answer.status == 0, answer.message
+    return float(answer.fun) + program.offset
+
+
+def columns_of(data: RoutingData, objective: str) -> Columns:
+    most = value(data, any_routes(data), objective)  # type: ignore[arg-type]
+    return Columns.of(data, objective, most)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("returns", [False, True])
+def test_its_value_is_that_of_the_linear_program_with_all_edges_and_all_cuts(
+    seed: int, objective: str, returns: bool
+) -> None:
+    data = small_mission(seed, 2, 6, return_to_start=returns)
+    columns = replace(columns_of(data, objective), attention=0.0)
+    whole = by_linprog(columns.program(all_cuts(data)))
+    for neighbours in (1, 5):
+        relaxed = Relaxation(columns, neighbours=neighbours).solve()
+        assert relaxed.finished
+        assert relaxed.bound == pytest.approx(whole, rel=1e-6)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_limits_are_part_of_it(objective: str) -> None:
+    data = small_mission(3, 2, 6)
+    data = replace(data, endurance=np.full(2, 700.0), longest_walk=np.full(2, 400.0))
+    columns = replace(columns_of(data, objective), attention=0.0)
+    relaxed = Relaxation(columns).solve()
+    assert relaxed.bound == pytest.approx(by_linprog(columns.program(all_cuts(data))), rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_attention_to_all_robots_costs_the_bound_at_most_its_share(seed: int) -> None:
+    data = small_mission(seed, 3, 7)
+    attentive = columns_of(data, "makespan")
+    assert 0 < data.n_robots * attentive.attention <= 1e-3
+    plain = Relaxation(replace(attentive, attention=0.0)).solve().bound
+    bound = Relaxation(attentive).solve().bound
+    assert plain * (1 - 1e-3) <= bound <= plain + 1e-6
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("seed", range(4))
+def test_the_stored_program_proves_the_bound_by_its_prices_and_by_another_solver(
+    seed: int, objective: str
+) -> None:
+    data = small_mission(seed, 3, 8)
+    columns = columns_of(data, objective)
+    relaxed = Relaxation(columns, neighbours=2).solve()
+    program = columns.program(list(relaxed.cuts)).relaxed()
+    assert dual_bound(program, relaxed.prices) == pytest.approx(relaxed.bound, rel=1e-9)
+    again = by_linprog(program)
+    assert again * (1 - 1e-3) <= relaxed.bound <= again + 1e-6
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("seed", range(6))
+def test_no_bound_on_the_way_exceeds_the_optimum(seed: int, objective: str) -> None:
+    data = small_mission(seed, 3, 5)
+    optimum = least(data, objective)  # type: ignore[arg-type]
+    bounds: list[float] = []
+    relaxation = Relaxation(columns_of(data, objective), neighbours=1)
+    relaxation.solve(report=bounds.append)
+    assert bounds
+    assert max(bounds) <= optimum + 1e-9
+    assert bounds == sorted(bounds)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_a_stop_before_the_first_program_leaves_a_bound(objective: str) -> None:
+    data = small_mission(1, 3, 5)
+    relaxed = Relaxation(columns_of(data, objective)).solve(time_limit=0.0)
+    assert not relaxed.finished
+    assert np.isfinite(relaxed.bound)
+    assert relaxed.bound <= least(data, objective)  # type: ignore[arg-type]
+
+
+def test_a_stop_between_rounds_is_obeyed() -> None:
+    data = small_mission(2, 3, 12)
+    columns = columns_of(data, "total_time")
+    whole = Relaxation(columns, neighbours=1).solve()
+    early = Relaxation(columns, neighbours=1).solve(should_stop=lambda: True)
+    assert whole.finished
+    assert not early.finished
+    assert early.bound < whole.bound
+
+
+def test_the_optimum_of_a_corridor_is_its_bound() -> None:
+    # Robot at 0, victims at 1, 2 and 5: a walk of 5, and three services of 2.
+    data = on_a_line([0], [1, 2, 5], [[[True], [True], [True]]], service=2.0)
+    for objective in OBJECTIVES:
+        assert Relaxation(columns_of(data, objective)).solve().bound == pytest.approx(11.0)
+
+
+def test_a_kind_that_is_covered_by_a_rarer_one_needs_no_row() -> None:
+    # Whoever can serve kind 0 (robot 0) can serve kind 1, too: one covering row, robot 0 visits.
+    data = on_a_line([0, 9], [1], [[[True, True]], [[False, True]]])
+    columns = columns_of(data, "total_time")
+    matrix, lower, upper = columns.rows
+    covering = np.isinf(upper)
+    assert covering.sum() == 1
+    assert lower[covering] == [1.0]
+    visit = columns.pair_of[0, 0]
+    assert matrix.toarray()[covering].nonzero()[1].tolist() == [visit]
+
+
+def test_latency_has_no_such_relaxation() -> None:
+    with pytest.raises(InputError, match="latency"):
+        Columns.of(small_mission(0), "latency", 1.0)

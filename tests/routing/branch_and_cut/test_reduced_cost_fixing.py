@@ -1,0 +1,125 @@
+"""Fixing keeps every better answer; grains are exact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import Bounds, LinearConstraint, milp
+from support.joint_cases import any_routes, on_a_line, small_mission
+from support.joint_oracle import least
+
+from msmrta_opt.arrays import Floats
+from msmrta_opt.routing.branch_and_cut.cutting_plane import Relaxation
+from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
+from msmrta_opt.routing.branch_and_cut.extraction import point_supports
+from msmrta_opt.routing.branch_and_cut.reduced_cost_fixing import fixed
+from msmrta_opt.routing.branch_and_cut.separation import separate
+from msmrta_opt.routing.objective_step import Grain, granularity
+from msmrta_opt.routing.problem import value
+
+
+def by_milp(columns: Columns, lower: Floats, upper: Floats) -> float:
+    """The least value within the columns' bounds, by SciPy and cuts as they turn out missing."""
+    cuts: list = []
+    while True:
+        program = columns.program(cuts)
+        answer = milp(
+            program.cost,
+            integrality=program.integer,
+            bounds=Bounds(lower, upper),
+            constraints=LinearConstraint(program.matrix, program.row_lower, program.row_upper),
+        )
+        if answer.status == 2:
+            return np.inf
+        assert answer.status == 0, answer.message
+        x = np.round(answer.x)
+        new = [c for s in point_supports(columns, x) for c in separate(s, tolerance=0.4)]
+        if not new:
+            return float(answer.fun) + program.offset
+        cuts += new
+
+
+@pytest.mark.parametrize("objective", ["total_time", "makespan"])
+@pytest.mark.parametrize("seed", range(5))
+def test_whatever_the_upper_bound_the_optimum_is_not_cut_off(seed: int, objective: str) -> None:
+    data = small_mission(seed, 3, 5)
+    optimum = least(data, objective)  # type: ignore[arg-type]
+    most = value(data, any_routes(data), objective)  # type: ignore[arg-type]
+    columns = Columns.of(data, objective, most)  # type: ignore[arg-type]
+    relaxed = Relaxation(columns).solve()
+    step = granularity(data, objective).step  # type: ignore[arg-type]
+    assert step > 0
+    zero, one = np.zeros(columns.n_columns), columns.upper
+    assert by_milp(columns, zero, one) == pytest.approx(optimum)
+    for upper in (optimum + step, optimum + 10 * step, most):
+        low, high = fixed(columns, relaxed, upper, zero, one)
+        assert (low <= high).all()
+        if upper > optimum + step / 2:
+            assert by_milp(columns, low, high) == pytest.approx(optimum), (seed, upper)
+
+
+def test_a_tight_upper_bound_fixes_more_than_a_loose_one() -> None:
+    data = small_mission(2, 3, 8)
+    most = value(data, any_routes(data), "total_time")
+    columns = Columns.of(data, "total_time", most)
+    relaxed = Relaxation(columns).solve()
+    zero, one = np.zeros(columns.n_columns), columns.upper
+    loose = fixed(columns, relaxed, most, zero, one)[1].sum()
+    tight = fixed(columns, relaxed, relaxed.bound + 10.0, zero, one)[1].sum()
+    assert tight < loose <= one.sum()
+
+
+def test_what_a_robot_does_not_visit_it_has_no_edges_to() -> None:
+    data = on_a_line([0, 5], [1, 2, 3], [[[True]] * 3] * 2)
+    columns = Columns.of(data, "makespan", 300.0)
+    relaxed = Relaxation(columns).solve()
+    never = columns.pair_of[0, 1]
+    upper = columns.upper.copy()
+    upper[never] = 0.0
+    _, high = fixed(columns, relaxed, 300.0, np.zeros(columns.n_columns), upper)
+    gone = np.flatnonzero((columns.upper > 0) & (high == 0))
+    # Robot 0 and victim 1: visit, first, last, service, and two edges.
+    y, f, last, a, e = (columns.start(name) for name in "yflae")
+    edges = np.flatnonzero((columns.edges[:, 0] == 0) & (columns.edges[:, 1:] == 1).any(axis=1))
+    service = np.flatnonzero(columns.services[:, 0] == never)
+    expected = [y + never, f + never, last + never, *(a + service), *(e + edges)]
+    assert len(expected) == 6
+    assert sorted(gone) == sorted(expected)
+
+
+def test_grains_are_the_greatest_common_divisors_of_all_times() -> None:
+    # Times 4/0.4 = 10, 6/0.4 = 15 and between them 2/0.4 = 5; services 2.
+    data = on_a_line([0], [4, 6], [[[True], [True]]], service=2.0)
+    data = replace(data, leave=data.leave / 0.4, between=data.between / 0.4)
+    assert granularity(data, "total_time") == Grain(offset=4.0, step=5.0)
+    assert granularity(data, "makespan") == Grain(offset=0.0, step=1.0)
+
+
+def test_speeds_with_no_short_decimal_still_have_a_grain() -> None:
+    # A third of a cell per time unit: 3 time units a cell. At 0.3, ten thirds.
+    data = on_a_line([0, 0], [1, 2], [[[True], [True]]] * 2)
+    speed = np.array([0.2, 0.3])
+    data = replace(
+        data, leave=data.leave / speed[:, None], between=data.between / speed[:, None, None]
+    )
+    # gcd(5, 10/3) = 5/3
+    assert granularity(data, "total_time").step == pytest.approx(5 / 3)
+
+
+def test_times_without_a_common_measure_have_no_grain() -> None:
+    data = on_a_line([0], [np.sqrt(2.0), 1.0], [[[True], [True]]])
+    grain = granularity(data, "total_time")
+    assert grain.step == 0.0
+    assert grain.up(1.25) == 1.25
+    assert grain.below(2.0) < 2.0
+
+
+def test_bounds_are_rounded_up_to_the_next_possible_value_but_not_by_rounding_errors() -> None:
+    grain = Grain(offset=1.0, step=2.5)
+    assert grain.up(6.1) == 8.5
+    assert grain.up(6.0 + 1e-8) == pytest.approx(6.0, abs=1e-6)
+    assert grain.up(6.0 - 1e-8) == 6.0
+    assert grain.below(6.0) == pytest.approx(3.5, abs=1e-4)
+    assert grain.below(6.0) > 3.5

@@ -1,0 +1,130 @@
+"""What the planner stores is what it solved: the same program, and the same bound, written twice."""
+
+from __future__ import annotations
+
+import importlib.util
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from msmrta_opt.certify.bound import worth
+from msmrta_opt.certify.joint_problem import Joint
+from msmrta_opt.certify.linear_bound import Relaxation, relaxation
+from msmrta_opt.mission.errors import InputError, SolverError
+from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.maps import read_map
+from msmrta_opt.mission.plan import Plan
+from msmrta_opt.mission.proof import RootProof
+from msmrta_opt.optimise.solve import solve_program
+from msmrta_opt.optimise.solvers import get
+from msmrta_opt.planners import plan as make_plan
+from msmrta_opt.planners.support.explicit_model import problem_of
+from msmrta_opt.planners.support.improvement import routes_of
+from msmrta_opt.routing import second_solver as second_opinion
+from msmrta_opt.routing.bound import Bound
+from msmrta_opt.routing.branch_and_cut.root_proof import root_proof
+from msmrta_opt.routing.branch_and_cut.search import strong_bound
+from msmrta_opt.routing.problem import Objective
+from msmrta_opt.routing.second_solver import arrays, other_solver, root_again
+
+MAPS = Path(__file__).parents[3] / "instances" / "maps"
+CASES: list[tuple[Objective, dict[str, Any]]] = [
+    ("total_time", {}),
+    ("makespan", {}),
+    ("total_time", {"endurance": 900.0}),
+    ("makespan", {"return_to_start": True, "longest_walk": 130}),
+]
+
+
+@cache
+def solved(case: int) -> tuple[Plan, Bound, RootProof, Relaxation]:
+    """Four robots and nine victims; ids differ from positions."""
+    objective, limits = CASES[case]
+    mission = random_mission(read_map(MAPS / "map2.map"), 4, 9, seed=5)
+    mission = mission.replace(
+        robots=tuple(r.model_copy(update={"id": 7 * r.id + 3}) for r in mission.robots),
+        victims=tuple(v.model_copy(update={"id": 50 - v.id}) for v in mission.victims),
+    )
+    plan = make_plan(mission, planner="ssi")
+    plan = plan.model_copy(update={"options": {**plan.options, **limits}})
+    data = problem_of(plan)
+    _, bound = strong_bound(data, objective, routes_of(plan), time_limit=2)
+    value = worth(plan, objective)
+    proof = root_proof(plan.known, bound, float(value))
+    assert proof is not None
+    return plan, bound, proof, relaxation(Joint.of(plan), proof, value)
+
+
+@pytest.mark.parametrize("case", range(len(CASES)))
+def test_the_stored_prices_prove_what_the_planner_says_they_do(case: int) -> None:
+    _, bound, proof, written = solved(case)
+    root = bound.root()
+    assert root is not None
+    # What the planner subtracts for rounding, and what prices lose to twelve digits.
+    assert float(written.bound()) == pytest.approx(root, rel=1e-7)
+    assert proof.bound >= root - 1e-6
+
+
+@pytest.mark.parametrize("case", range(len(CASES)))
+def test_the_relaxation_written_out_again_is_no_stronger_than_the_planners(case: int) -> None:
+    """Solved whole, with the cuts that have prices, both have the same least value."""
+    _, bound, _, written = solved(case)
+    assert bound.program is not None
+    ours = solve_program(bound.program, solver="highs").objective
+    again = solve_program(arrays(written), solver="highs").objective
+    assert ours == pytest.approx(again, rel=1e-6)
+
+
+@pytest.mark.parametrize("case", range(len(CASES)))
+def test_another_solver_finds_at_least_what_the_prices_prove(case: int) -> None:
+    _, _, _, written = solved(case)
+    for name in ("glpk", "scip"):
+        if not get(name).installed:
+            pytest.skip(f"{name} is not installed")
+        solution = root_again(written, solver=name)
+        assert solution.solver == name
+        assert solution.status == "optimal"
+        assert solution.objective is not None
+        assert solution.objective >= float(written.bound()) - 1e-6
+
+
+def test_prices_of_nothing_are_not_stored() -> None:
+    _, bound, proof, _ = solved(0)
+    assert bound.prices is not None
+    stored = proof.model_dump().values()
+    prices = [item["price"] for part in stored if isinstance(part, tuple) for item in part]
+    assert len(prices) == np.count_nonzero(bound.prices)
+    assert 0 not in prices
+
+
+def test_a_bound_without_a_relaxation_has_no_proof_to_store() -> None:
+    plan, *_ = solved(0)
+    assert root_proof(plan.known, Bound(3.0, "combinatorial"), 5.0) is None
+
+
+def test_the_solver_that_made_the_bound_is_not_asked_about_it() -> None:
+    with pytest.raises(InputError, match="highs made the bound itself; give glpk or scip"):
+        other_solver("highs")
+    with pytest.raises(InputError, match="cpsat solves no linear programs"):
+        other_solver("cpsat")
+    with pytest.raises(InputError, match="no solver 'nobody'"):
+        other_solver("nobody")
+    assert other_solver("scip") == "scip"
+
+
+def test_without_any_other_solver_one_line_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from msmrta_opt.optimise.solvers import base
+
+    found = importlib.util.find_spec
+
+    def only_highs(module: str) -> object:
+        return found(module) is not None and module == "highspy"
+
+    monkeypatch.setattr(base, "_importable", only_highs)
+    with pytest.raises(SolverError, match=r"no solver but highs is installed; .*swiglpk"):
+        second_opinion.other_solver()

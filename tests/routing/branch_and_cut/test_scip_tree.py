@@ -1,0 +1,227 @@
+"""The strong method against brute force, however it is stopped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.joint_cases import any_routes, on_a_line, small_mission
+from support.joint_oracle import least
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.optimise.check import dual_bound
+from msmrta_opt.routing.bound import Bound, gap
+from msmrta_opt.routing.branch_and_cut import search as strong
+from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
+from msmrta_opt.routing.branch_and_cut.extraction import routes_of
+from msmrta_opt.routing.branch_and_cut.highs_tree import resolve
+from msmrta_opt.routing.branch_and_cut.scip_tree import branch_and_cut
+from msmrta_opt.routing.branch_and_cut.search import combinatorial_bound, strong_bound
+from msmrta_opt.routing.problem import Routes, RoutingData, faults, value
+
+OBJECTIVES = ("total_time", "makespan")
+TREES = {"SCIP": branch_and_cut, "HiGHS": resolve}
+
+
+def holds(data: RoutingData, objective: str, routes: Routes, bound: Bound) -> None:
+    """What must be true whenever it stops."""
+    assert faults(data, routes) == []
+    assert bound.value <= value(data, routes, objective) + 1e-9  # type: ignore[arg-type]
+    if bound.program is not None and bound.prices is not None:
+        assert bound.root() == dual_bound(bound.program, bound.prices)
+        assert bound.root() <= bound.value + bound.step + 1e-6
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("seed", range(8))
+def test_answers_and_bounds_equal_brute_force(seed: int, objective: str) -> None:
+    data = small_mission(seed, 3, 6, map_number=(0, 2, 3)[seed % 3])
+    routes, bound = strong_bound(data, objective, any_routes(data))  # type: ignore[arg-type]
+    optimum = least(data, objective)  # type: ignore[arg-type]
+    assert value(data, routes, objective) == pytest.approx(optimum)  # type: ignore[arg-type]
+    assert bound.value == pytest.approx(optimum)
+    holds(data, objective, routes, bound)
+
+
+@pytest.mark.parametrize("tree", TREES)
+@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("seed", range(4))
+def test_either_tree_alone_proves_the_optimum(seed: int, objective: str, tree: str) -> None:
+    data = small_mission(seed, 2, 6)
+    optimum = least(data, objective)  # type: ignore[arg-type]
+    most = value(data, any_routes(data), objective)  # type: ignore[arg-type]
+    columns = Columns.of(data, objective, most)  # type: ignore[arg-type]
+    found: list[Routes] = []
+    outcome = TREES[tree](
+        columns,
+        (),
+        np.zeros(columns.n_columns),
+        columns.upper,
+        best=most,
+        time_limit=60.0,
+        improved=found.append,
+    )
+    assert outcome.complete
+    assert outcome.bound == pytest.approx(optimum)
+    worth = [value(data, routes, objective) for routes in found if not faults(data, routes)]  # type: ignore[arg-type]
+    assert min([most, *worth]) == pytest.approx(optimum)
+
+
+@pytest.mark.parametrize("tree", TREES)
+def test_a_tree_that_is_asked_for_better_than_the_optimum_says_there_is_nothing(tree: str) -> None:
+    data = small_mission(1, 2, 6)
+    optimum = least(data, "total_time")
+    columns = Columns.of(data, "total_time", optimum)
+    found: list[Routes] = []
+    outcome = TREES[tree](
+        columns,
+        (),
+        np.zeros(columns.n_columns),
+        columns.upper,
+        best=optimum,
+        time_limit=60.0,
+        improved=found.append,
+    )
+    assert outcome.complete
+    assert outcome.bound == pytest.approx(optimum)
+    assert all(value(data, r, "total_time") >= optimum - 1e-9 for r in found if not faults(data, r))
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_without_scip_the_method_proves_the_same(
+    objective: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(strong, "search_tree", lambda: resolve)
+    data = small_mission(5, 3, 6)
+    routes, bound = strong_bound(data, objective, any_routes(data))  # type: ignore[arg-type]
+    assert bound.value == pytest.approx(least(data, objective))  # type: ignore[arg-type]
+    holds(data, objective, routes, bound)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("seed", range(3))
+def test_robots_that_return_equal_brute_force(seed: int, objective: str) -> None:
+    data = small_mission(seed, 2, 6, return_to_start=True)
+    _, bound = strong_bound(data, objective, any_routes(data))  # type: ignore[arg-type]
+    assert bound.value == pytest.approx(least(data, objective))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_limits_that_bite_equal_brute_force(objective: str) -> None:
+    # Two robots at 0 with a limit of 12; alone, either would walk 10 and serve for 4.
+    able = [[[True, True], [True, True]]] * 2
+    data = on_a_line([0, 0], [4, 10], able, service=1.0)
+    split: Routes = (((0, (0, 1)),), ((1, (0, 1)),))
+    for limited in (
+        replace(data, endurance=np.full(2, 13.0)),
+        replace(data, longest_walk=np.array([5.0, 11.0])),
+        replace(data, endurance=np.array([13.0, 6.0]), longest_walk=np.array([10.0, 5.0])),
+    ):
+        start = split if not faults(limited, split) else split[::-1]
+        routes, bound = strong_bound(limited, objective, start)  # type: ignore[arg-type]
+        assert bound.value == pytest.approx(least(limited, objective))  # type: ignore[arg-type]
+        holds(limited, objective, routes, bound)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_stop_at_any_moment_leaves_a_plan_and_a_bound_that_holds(
+    seed: int, objective: str
+) -> None:
+    data = small_mission(seed, 3, 6)
+    optimum = least(data, objective)  # type: ignore[arg-type]
+    for asked in (0, 1, 2, 3, 5, 8, 20, 60):
+        left = iter(range(asked))
+        routes, bound = strong_bound(
+            data,
+            objective,  # type: ignore[arg-type]
+            any_routes(data),
+            should_stop=lambda left=left: next(left, None) is None,
+        )
+        holds(data, objective, routes, bound)
+        assert bound.value <= optimum + 1e-9 <= value(data, routes, objective) + 2e-9  # type: ignore[arg-type]
+    for seconds in (0.0, 0.02, 0.1):
+        routes, bound = strong_bound(data, objective, any_routes(data), time_limit=seconds)  # type: ignore[arg-type]
+        holds(data, objective, routes, bound)
+        assert bound.value <= optimum + 1e-9
+
+
+def test_reports_only_ever_get_better_and_end_with_the_answer() -> None:
+    data = small_mission(4, 3, 10)
+    told: list[tuple[float, float]] = []
+    routes, bound = strong_bound(
+        data,
+        "makespan",
+        any_routes(data),
+        report=lambda _, worth, lower, what: told.append((worth, lower)),
+    )
+    values, bounds = zip(*told, strict=True)
+    assert list(values) == sorted(values, reverse=True)
+    assert list(bounds) == sorted(bounds)
+    assert all(lower <= worth for worth, lower in told)
+    assert told[-1] == (value(data, routes, "makespan"), bound.value)
+
+
+def test_it_stops_at_the_gap_that_was_asked_for() -> None:
+    data = small_mission(4, 3, 10)
+    routes, bound = strong_bound(data, "makespan", any_routes(data), gap=0.9)
+    assert gap(value(data, routes, "makespan"), bound.value) <= 0.9
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_a_mission_without_anything_to_do_is_solved_at_once(objective: str) -> None:
+    data = on_a_line([0, 1], [5], [[[False]], [[False]]])
+    routes, bound = strong_bound(data, objective, ((), ()))  # type: ignore[arg-type]
+    assert routes == ((), ())
+    assert bound.value == 0.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_bound_at_once_is_a_bound(seed: int) -> None:
+    data = small_mission(seed, 2, 4)
+    for objective in OBJECTIVES:
+        assert combinatorial_bound(data, objective) <= least(data, objective) + 1e-9  # type: ignore[arg-type]
+
+
+def test_routes_that_are_not_feasible_are_refused() -> None:
+    data = on_a_line([0], [5], [[[True]]])
+    with pytest.raises(InputError, match="incumbent"):
+        strong_bound(data, "total_time", ((),))
+
+
+def test_latency_is_refused() -> None:
+    data = on_a_line([0], [5], [[[True]]])
+    with pytest.raises(InputError, match="latency"):
+        strong_bound(data, "latency", any_routes(data))
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_routes_and_points_are_each_other_s_images(objective: str) -> None:
+    for seed in range(5):
+        data = small_mission(seed, 3, 7)
+        routes = any_routes(data)
+        columns = Columns.of(data, objective, 1e6)  # type: ignore[arg-type]
+        x = columns.point(routes)
+        program = columns.program([])
+        activity = program.matrix @ x
+        assert (activity >= program.row_lower - 1e-9).all()
+        assert (activity <= program.row_upper + 1e-9).all()
+        assert program.value(x) == pytest.approx(value(data, routes, objective))  # type: ignore[arg-type]
+        back = routes_of(columns, x)
+        assert back is not None
+        assert faults(data, back) == []
+        # Visits that the program can do without are left out.
+        assert value(data, back, objective) <= value(data, routes, objective) + 1e-9  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("what", ["better routes", "branch and cut"])
+def test_what_a_report_raises_reaches_the_caller(what: str) -> None:
+    data = small_mission(7, 3, 6, map_number=2)
+
+    def refuse(routes: Routes, worth: float, bound: float, happened: str) -> None:
+        if happened == what:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        strong_bound(data, "makespan", any_routes(data), report=refuse)

@@ -1,0 +1,188 @@
+"""The least latency: against brute force, at any moment, and within its limits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from support.joint_cases import any_routes, on_a_line, small_mission
+from support.joint_oracle import least
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.routing.bound import Bound
+from msmrta_opt.routing.branch_and_price.search import search_latency
+from msmrta_opt.routing.objective_step import latency_grain
+from msmrta_opt.routing.problem import Routes, RoutingData, faults, times, value
+
+LONG = 60.0
+
+
+def assert_proven(data: RoutingData, incumbent: Routes | None = None) -> None:
+    """The search ends with what brute force finds, and never claimed more on its way."""
+    expected = least(data, "latency")
+    seen: list[tuple[float, float]] = []
+
+    def report(routes: Routes, worth: float, bound: float, what: str) -> None:
+        del what
+        assert not faults(data, routes)
+        assert worth == pytest.approx(value(data, routes, "latency"))
+        seen.append((worth, bound))
+
+    start = any_routes(data) if incumbent is None else incumbent
+    routes, bound = search_latency(data, start, time_limit=LONG, report=report)
+    assert not faults(data, routes)
+    assert value(data, routes, "latency") == pytest.approx(expected, rel=1e-6)
+    assert bound.value == pytest.approx(expected, rel=2e-6)
+    assert all(low <= expected * (1 + 1e-6) <= high * (1 + 2e-6) for high, low in seen)
+    for before, after in pairwise(seen):
+        assert after[0] <= before[0] + 1e-9
+        assert after[1] >= before[1] - 1e-9
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_small_mission_is_proven_to_be_worth_what_brute_force_finds(seed: int) -> None:
+    """Different speeds, split victims, kinds that nobody has."""
+    assert_proven(small_mission(seed, 3, 4, map_number=(0, 2, 3)[seed % 3]))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_priorities_weigh_and_may_be_nothing(seed: int) -> None:
+    data = small_mission(seed, 3, 4)
+    weights = np.random.RandomState(seed).choice([0.0, 0.5, 1.0, 2.5], data.n_victims)
+    assert_proven(replace(data, priority=weights))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_times_without_a_common_divisor_are_rounded_down_and_still_proven(seed: int) -> None:
+    data = small_mission(seed, 3, 4)
+    random = np.random.RandomState(seed)
+    data = replace(
+        data, service=random.rand(*data.service.shape), priority=random.rand(data.n_victims)
+    )
+    assert latency_grain(data).step == 0
+    assert_proven(data)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_limits_and_the_way_back_are_kept_to(seed: int) -> None:
+    data = small_mission(seed, 3, 4, return_to_start=True)
+    incumbent = any_routes(data)
+    used = times(data, incumbent)
+    limited = replace(data, endurance=used.busy + 1.0, longest_walk=used.travel + 1.0)
+    assert_proven(limited, incumbent)
+
+
+def test_a_limit_makes_the_dearer_order_the_least() -> None:
+    """At 0, victims at -1 and 4: walking 6 by the near one first, latency 1 + 6; returning takes 10.
+
+    With the way back counted the walk is 10 either way, so what a limit forbids shows on the open
+    route: 6 for the near one first, 9 for the far one first.
+    """
+    data = on_a_line([0.0], [-1.0, 4.0], [[[True], [True]]])
+    _, bound = search_latency(data, any_routes(data))
+    assert bound.value == pytest.approx(1 + 6)
+    weighted = replace(data, priority=np.array([1.0, 10.0]))
+    far_first: Routes = (((1, (0,)), (0, (0,))),)
+    routes, bound = search_latency(weighted, any_routes(weighted))
+    assert routes == far_first
+    assert bound.value == pytest.approx(4 * 10 + 9)
+    limited = replace(weighted, longest_walk=np.array([8.0]))
+    routes, bound = search_latency(limited, any_routes(limited))
+    assert value(limited, routes, "latency") == pytest.approx(1 + 60)
+    assert bound.value == pytest.approx(1 + 60)
+
+
+def test_a_split_victim_is_complete_with_the_later_of_its_robots() -> None:
+    """Robots at 0 and 10, each with a kind of its own; the victim at 3 is done at 7."""
+    data = on_a_line([0.0, 10.0], [3.0], [[[True, False]], [[False, True]]])
+    _, bound = search_latency(data, any_routes(data))
+    assert bound.value == pytest.approx(7)
+
+
+def test_two_robots_that_must_meet_at_two_victims_are_not_averaged() -> None:
+    """Both start at 0 and are both needed at -1 and at 1: one victim waits until 3, whoever goes where.
+
+    If they go separate ways first, both victims are complete at 3.
+    """
+    able = [[[True, False], [True, False]], [[False, True], [False, True]]]
+    data = on_a_line([0.0, 0.0], [-1.0, 1.0], able)
+    apart: Routes = (((0, (0,)), (1, (0,))), ((1, (1,)), (0, (1,))))
+    assert value(data, apart, "latency") == 6
+    routes, bound = search_latency(data, apart)
+    assert value(data, routes, "latency") == pytest.approx(4)
+    assert bound.value == pytest.approx(4)
+
+
+def test_it_stops_at_the_gap_that_is_allowed() -> None:
+    data = small_mission(0, 4, 12)
+    worst = any_routes(data)
+    routes, bound = search_latency(data, worst, gap=0.2, time_limit=LONG)
+    worth = value(data, routes, "latency")
+    assert bound.value >= 0.8 * worth - 1e-6
+    seen: list[str] = []
+    search_latency(data, worst, gap=1.0, report=lambda *state: seen.append(state[3]))
+    assert seen == ["combinatorial"]
+
+
+def test_asked_to_stop_it_keeps_what_it_has() -> None:
+    data = small_mission(1, 4, 12)
+    incumbent = any_routes(data)
+    asked: list[int] = []
+
+    def stop() -> bool:
+        asked.append(1)
+        return len(asked) > 3
+
+    routes, bound = search_latency(data, incumbent, time_limit=LONG, should_stop=stop)
+    assert not faults(data, routes)
+    assert 0 < bound.value <= value(data, routes, "latency") <= value(data, incumbent, "latency")
+
+
+def test_without_time_there_is_the_combinatorial_bound() -> None:
+    data = small_mission(2, 4, 12)
+    incumbent = any_routes(data)
+    routes, bound = search_latency(data, incumbent, time_limit=0.0)
+    assert routes == incumbent
+    assert isinstance(bound, Bound)
+    assert bound.proof == "combinatorial"
+
+
+def test_places_that_take_no_time_leave_the_combinatorial_bound() -> None:
+    """Two victims at one place and no service: nothing orders the visits in time."""
+    data = on_a_line([0.0], [2.0, 2.0], [[[True], [True]]])
+    _, bound = search_latency(data, any_routes(data), time_limit=LONG)
+    assert bound.value == pytest.approx(4)
+
+
+def test_routes_that_are_not_feasible_are_refused() -> None:
+    data = small_mission(0)
+    with pytest.raises(InputError, match="incumbent"):
+        search_latency(data, ((),) * data.n_robots)
+
+
+@pytest.mark.parametrize(
+    ("priorities", "step"), [([1.0, 1.0], 1.0), ([2.0, 4.0], 2.0), ([0.5, 0.75], 0.25)]
+)
+def test_latency_comes_in_steps_of_time_and_priority(priorities: list[float], step: float) -> None:
+    data = on_a_line([0.0], [2.0, 5.0], [[[True], [True]]])
+    assert latency_grain(replace(data, priority=np.array(priorities))).step == pytest.approx(step)
+    odd = replace(data, priority=np.array([1.0, np.pi]))
+    assert latency_grain(odd).step == 0
+
+
+def test_a_bound_that_follows_at_once_needs_no_prices() -> None:
+    """By itself each of two robots takes its own victim, and is done with it at once."""
+    data = RoutingData(
+        leave=np.array([[3.0, 9.0], [9.0, 4.0]]),
+        between=np.full((2, 2, 2), 6.0),
+        back=np.zeros((2, 2)),
+        service=np.ones((2, 1)),
+        able=np.ones((2, 2, 1), dtype=bool),
+        priority=np.ones(2),
+        endurance=np.full(2, np.inf),
+        longest_walk=np.full(2, np.inf),
+    )
+    _, bound = search_latency(data, (((0, (0,)),), ((1, (0,)),)))
+    assert (bound.value, bound.proof, bound.latency) == (9.0, "combinatorial", None)

@@ -1,0 +1,197 @@
+"""Local search: never worse, always feasible, and the optimum where every answer can be tried."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.planners import plan
+from msmrta_opt.planners.support.improvement import OBJECTIVES, routes_of
+from msmrta_opt.routing.heuristics.ruin_and_recreate import improve
+from msmrta_opt.routing.problem import Objective, Routes, RoutingData, faults, value
+from msmrta_opt.stages.joint_routing import routing_data
+from msmrta_opt.stages.situation import Situation
+
+
+def random_data(
+    seed: int, n_robots: int, n_victims: int, n_needs: int, *, back: bool = False
+) -> RoutingData:
+    """Robots and victims on a plane, walking along its axes; `n_needs` requirements of 3 kinds."""
+    random = np.random.RandomState(seed)
+    start, place = random.randint(0, 12, (n_robots, 2)), random.randint(0, 12, (n_victims, 2))
+    speed = random.choice([0.5, 1.0, 2.0], n_robots)
+    leave = np.abs(start[:, None] - place).sum(axis=2) / speed[:, None]
+    between = np.abs(place[:, None] - place).sum(axis=2) / speed[:, None, None]
+    needed = np.zeros(n_victims * 3, dtype=bool)
+    needed[random.choice(needed.size, n_needs, replace=False)] = True
+    has = random.random_sample((n_robots, 3)) < 0.6
+    has[random.randint(n_robots, size=3), range(3)] = True
+    return RoutingData(
+        leave=leave,
+        between=between,
+        back=leave if back else np.zeros_like(leave),
+        service=random.randint(0, 9, (n_victims, 3)).astype(float),
+        able=has[:, None, :] & needed.reshape(n_victims, 3)[None],
+        priority=random.randint(0, 4, n_victims).astype(float),
+        endurance=np.full(n_robots, np.inf),
+        longest_walk=np.full(n_robots, np.inf),
+    )
+
+
+def limited(data: RoutingData, endurance: float, longest_walk: float) -> RoutingData:
+    """The same with the limits given."""
+    arrays = {name: getattr(data, name) for name in RoutingData.__dataclass_fields__}
+    n = data.n_robots
+    limits = {"endurance": np.full(n, endurance), "longest_walk": np.full(n, longest_walk)}
+    return RoutingData(**{**arrays, **limits})
+
+
+def first_come(data: RoutingData) -> Routes:
+    """Routes without thought: each requirement by the first robot that can, victims in order."""
+    routes = []
+    for r in range(data.n_robots):
+        mine = data.able[r] & ~data.able[:r].any(axis=0)
+        visits = ((v, tuple(int(k) for k in np.flatnonzero(mine[v]))) for v in range(len(mine)))
+        routes.append(tuple((v, kinds) for v, kinds in visits if kinds))
+    return tuple(routes)
+
+
+def every_answer(data: RoutingData) -> Iterator[Routes]:
+    """Every way to share out the requirements, in every order."""
+    needs = [(int(v), int(k)) for v, k in np.argwhere(data.required)]
+    for who in itertools.product(*(np.flatnonzero(data.able[:, v, k]) for v, k in needs)):
+        visits: list[dict[int, tuple[int, ...]]] = [{} for _ in range(data.n_robots)]
+        for (v, k), r in zip(needs, who, strict=True):
+            visits[r][v] = (*visits[r].get(v, ()), k)
+        yield from itertools.product(*(itertools.permutations(own.items()) for own in visits))
+
+
+def worths(data: RoutingData, routes: Routes) -> tuple[dict[Objective, float], list[float]]:
+    """Objectives, and travel of each robot, step by step; apart from the code under test."""
+    ends, travels = [], []
+    done = dict.fromkeys(range(data.n_victims), 0.0)
+    for r, route in enumerate(routes):
+        clock = travel = 0.0
+        for i, (v, kinds) in enumerate(route):
+            step = data.between[r, route[i - 1][0], v] if i else data.leave[r, v]
+            travel += step
+            clock += step + sum(data.service[v, k] for k in kinds)
+            done[v] = max(done[v], clock)
+        home = data.back[r, route[-1][0]] if route else 0.0
+        ends.append(clock + home)
+        travels.append(travel + home)
+    latency = sum(data.priority[v] * clock for v, clock in done.items())
+    return {"total_time": sum(ends), "makespan": max(ends), "latency": latency}, [
+        *(max(0.0, end - data.endurance[r]) for r, end in enumerate(ends)),
+        *(max(0.0, walk - data.longest_walk[r]) for r, walk in enumerate(travels)),
+    ]
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_the_optimum_of_tiny_missions_is_found_for_every_objective(seed: int, back: bool) -> None:
+    data = random_data(seed, 2, 4, 6, back=back)
+    answers = [worths(data, routes)[0] for routes in every_answer(data)]
+    for objective in OBJECTIVES:
+        found = improve(data, first_come(data), objective, iterations=1500, seed=seed)
+        best = min(answer[objective] for answer in answers)
+        assert worths(data, found)[0][objective] == pytest.approx(best)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_optimum_is_found_within_limits(seed: int) -> None:
+    free = random_data(seed, 2, 4, 6, back=True)
+    answers = list(every_answer(free))
+    # The least makespan is a limit that some answers keep, and most do not.
+    start = min(answers, key=lambda routes: worths(free, routes)[0]["makespan"])
+    makespan = worths(free, start)[0]["makespan"]
+    data = limited(free, 1.1 * makespan, makespan)
+    kept = [worth for worth, beyond in (worths(data, r) for r in answers) if max(beyond) <= 1e-9]
+    assert 0 < len(kept) < len(answers)
+    for objective in OBJECTIVES:
+        found = improve(data, start, objective, iterations=1500, seed=seed)
+        best = min(worth[objective] for worth in kept)
+        worth, beyond = worths(data, found)
+        assert max(beyond) <= 1e-6
+        assert worth[objective] == pytest.approx(best)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("back", [False, True])
+def test_routes_get_no_worse_and_stay_feasible(objective: Objective, back: bool) -> None:
+    for seed in range(10):
+        data = random_data(seed, 4, 12, 20, back=back)
+        start = first_come(data)
+        if seed % 2:
+            before = worths(data, start)[0]["makespan"]
+            data = limited(data, before, before)
+        found = improve(data, start, objective, iterations=150, seed=seed)
+        assert faults(data, found) == []
+        assert value(data, found, objective) <= value(data, start, objective)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_the_same_seed_gives_the_same_routes(objective: Objective) -> None:
+    data = random_data(1, 3, 10, 16)
+    first, again = (
+        improve(data, first_come(data), objective, iterations=200, seed=5) for _ in range(2)
+    )
+    assert first == again
+
+
+def test_routes_that_are_optimal_come_back_as_they_are() -> None:
+    data = random_data(0, 2, 4, 6)
+    best = min(every_answer(data), key=lambda routes: worths(data, routes)[0]["total_time"])
+    assert improve(data, best, iterations=100) == best
+
+
+def test_the_search_ends_when_asked_to() -> None:
+    data = random_data(0, 3, 10, 16)
+    start = first_come(data)
+    assert improve(data, start, iterations=10**9, should_stop=lambda: True) == start
+
+
+def test_nothing_to_do_needs_no_search() -> None:
+    data = random_data(0, 2, 3, 0)
+    assert improve(data, ((), ())) == ((), ())
+
+
+def test_no_seconds_and_no_steps_change_nothing() -> None:
+    data = random_data(0, 3, 10, 16)
+    start = first_come(data)
+    assert improve(data, start, seconds=0.0) == start
+    assert improve(data, start, iterations=0) == start
+
+
+def test_a_start_that_is_not_feasible_is_refused() -> None:
+    data = random_data(0, 2, 4, 6)
+    with pytest.raises(InputError, match=r"^routes: .* is served 0 times"):
+        improve(data, ((), ()))
+    start = first_come(data)
+    makespan = worths(data, start)[0]["makespan"]
+    with pytest.raises(InputError, match=r"^routes: .* beyond"):
+        improve(limited(data, makespan - 1, np.inf), start)
+
+
+@pytest.mark.parametrize(
+    ("objective", "published"),
+    [("total_time", 193.0), ("makespan", 66.0)],
+)
+def test_the_papers_mission_in_plain_cells_has_the_values_published(
+    objective: Objective, published: float, paper: Instance
+) -> None:
+    plain = paper.replace(
+        scouts=(),
+        robots=tuple(robot.model_copy(update={"speed": 1.0}) for robot in paper.robots),
+        service_time=dict.fromkeys(paper.capabilities, 0.0),
+    )
+    data = routing_data(Situation.of(plain))
+    start = routes_of(plan(plain, planner="greedy"))
+    found = improve(data, start, objective, iterations=4000, seed=0)
+    assert faults(data, found) == []
+    assert value(data, found, objective) == published

@@ -1,0 +1,140 @@
+"""Regions: which columns lie in them, where they are drawn, and that taking turns proves the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from msmrta_opt.routing.branch_and_cut import search as strong
+from msmrta_opt.routing.branch_and_cut.cutting_plane import Relaxed
+from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
+from msmrta_opt.routing.branch_and_cut.search import _Run
+from msmrta_opt.routing.heuristics.victim_regions import GROWTH, Regions
+from msmrta_opt.routing.problem import Objective, faults, value
+
+from .test_ruin_and_recreate import first_come, random_data
+
+BOTH: tuple[Objective, ...] = ("total_time", "makespan")
+
+
+def columns_of(seed: int, objective: Objective) -> Columns:
+    data = random_data(seed, 3, 10, 16)
+    return Columns.of(data, objective, value(data, first_come(data), objective))
+
+
+def victims(columns: Columns, chosen: np.ndarray) -> set[int]:
+    """Those that the chosen columns have to do with, told by the columns' blocks."""
+    pairs = columns.pairs[:, 1].tolist()
+    of: list[tuple[int, ...]] = []
+    for block in columns.blocks:
+        size = block.stop - block.start
+        if block.name in "yfl":
+            of += [(v,) for v in pairs]
+        elif block.name == "a":
+            of += [(pairs[pair],) for pair in columns.services[:, 0]]
+        elif block.name == "e":
+            of += [(i, j) for _, i, j in columns.edges.tolist()]
+        else:
+            of += [()] * size
+    assert len(of) == columns.n_columns
+    return {v for ends, here in zip(of, chosen, strict=True) if here for v in ends}
+
+
+@pytest.mark.parametrize("objective", BOTH)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_region_holds_all_columns_between_its_victims_and_no_others(
+    seed: int, objective: Objective
+) -> None:
+    columns = columns_of(seed, objective)
+    regions = Regions(columns, np.zeros(columns.n_columns), seed)
+    for _ in range(5):
+        chosen = regions.draw()
+        inside = victims(columns, chosen)
+        assert 0 < len(inside) <= round(regions.size) < columns.data.n_victims
+        robot, i, j = columns.edges.T
+        edges = chosen[columns.start("e") :]
+        here = list(inside)
+        assert (edges == (np.isin(i, here) & np.isin(j, here))).all()
+        first = columns.start("f")
+        visits = chosen[first : first + columns.n_pairs]
+        assert (visits == np.isin(columns.pairs[:, 1], here)).all()
+        if objective == "makespan":
+            assert chosen[columns.start("T")]
+        assert set(robot[edges]) <= set(columns.pairs[:, 0])
+
+
+def test_regions_lie_where_the_relaxation_is_undecided() -> None:
+    columns = columns_of(0, "total_time")
+    edge = len(columns.edges) // 2
+    point = np.zeros(columns.n_columns)
+    point[columns.start("e") + edge] = 0.5
+    regions = Regions(columns, point)
+    regions.size = 1.0
+    ends = set(columns.edges[edge, 1:].tolist())
+    for _ in range(10):
+        assert victims(columns, regions.draw()) <= ends
+
+
+def test_regions_grow_until_they_hold_all_and_shrink_to_the_smallest() -> None:
+    columns = columns_of(1, "total_time")
+    regions = Regions(columns, np.zeros(columns.n_columns))
+    first = regions.size
+    regions.shrink()
+    assert regions.size == first
+    regions.grow()
+    assert regions.size == pytest.approx(first * GROWTH)
+    regions.shrink()
+    assert regions.size == pytest.approx(first)
+    while not regions.exhausted:
+        assert not regions.draw().all()
+        regions.grow()
+    assert regions.draw().all()
+
+
+@pytest.mark.parametrize("objective", BOTH)
+def test_region_by_region_routes_get_better_and_stay_feasible(objective: Objective) -> None:
+    data = random_data(1, 7, 14, 24)
+    run = _Run(data, objective, first_come(data), 30.0, 0.0, 1, None, None)
+    before = run.value
+    relaxed = run.relax()
+    assert not run.done()
+    run.by_regions(relaxed, run.began + 5.0)
+    assert run.value < before
+    assert faults(data, run.routes) == []
+
+
+def test_a_search_in_pieces_comes_to_the_same_as_one_tree(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(strong, "EASY", 0.0)
+    data = random_data(1, 7, 14, 24)
+    took: list[str] = []
+
+    class Noted(_Run):
+        def by_robots(self, relaxed: Relaxed, seconds: float) -> None:
+            took.append("robots")
+            super().by_robots(relaxed, seconds)
+
+        def by_regions(self, relaxed: Relaxed, until: float) -> None:
+            took.append("regions")
+            super().by_regions(relaxed, min(until, self.began + self.spent() + 5.0))
+
+        def polish(self, relaxed: Relaxed) -> None:
+            """Nothing, so that something is left to find."""
+
+    worth = []
+    for whole in (True, False):
+        run = Noted(data, "total_time", first_come(data), 60.0, 0.0, 1, None, None)
+        run.close_in(whole=whole)
+        assert faults(data, run.routes) == []
+        assert run.closed()
+        worth.append(run.value)
+    assert worth[0] == pytest.approx(worth[1])
+    assert took == ["robots", "regions"]
+
+
+def test_seeking_ends_with_its_share_of_the_time() -> None:
+    data = random_data(9, 8, 30, 55)
+    run = _Run(data, "makespan", first_come(data), 4.0, 0.0, 0, None, None)
+    relaxed = run.relax()
+    run.seek(relaxed)
+    assert run.spent() < 4.0 + 5.0
+    assert faults(data, run.routes) == []

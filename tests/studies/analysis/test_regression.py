@@ -1,0 +1,134 @@
+"""A baseline says what changed, and nothing else."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.studies.analysis.regression import FORMAT, changes, read_baseline, save_baseline
+from msmrta_opt.studies.rows import Row
+
+OLD = Row(
+    "paper",
+    "cluster",
+    "model",
+    "highs",
+    3,
+    "optimal",
+    sense="max",
+    objective=5.0,
+    bound=5.0,
+    gap=0.0,
+    check="passed",
+    total_seconds=1.0,
+)
+WHERE = "model on paper by highs, seed 3: "
+
+
+def test_a_baseline_reads_as_it_was_saved(tmp_path: Path) -> None:
+    rows = [OLD, replace(OLD, seed=None, status="error", objective=None, message="“why”")]
+    save_baseline(rows, tmp_path / "baseline.json")
+    assert read_baseline(tmp_path / "baseline.json") == rows
+
+
+def test_nothing_changed_is_nothing_said() -> None:
+    assert changes([OLD], [OLD], slower=1.5) == []
+
+
+@pytest.mark.parametrize(
+    ("now", "lines"),
+    [
+        ({"status": "feasible"}, ["status feasible, was optimal"]),
+        ({"objective": 5.1}, ["objective 5.1, was 5"]),
+        ({"objective": None}, ["objective none, was 5"]),
+        ({"bound": 4.0}, ["bound 4, was 5"]),
+        ({"check": "row 1"}, ["check row 1, was passed"]),
+        ({"total_seconds": 2.1}, ["took 2.1 s, was 1 s"]),
+        ({"status": "error", "check": ""}, ["status error, was optimal", "check none, was passed"]),
+    ],
+)
+def test_a_change_is_one_line(now: dict[str, Any], lines: list[str]) -> None:
+    assert changes([OLD], [replace(OLD, **now)], slower=2.0) == [WHERE + line for line in lines]
+
+
+@pytest.mark.parametrize(
+    "now",
+    [
+        {"objective": 5.0 + 4e-6, "bound": 5.0 - 4e-6},  # the tolerance is 1e-6 of 5
+        {"total_seconds": 1.9},
+        {"total_seconds": None},
+        {"nodes": 7, "solver_version": "2", "machine": "other", "message": "other"},
+    ],
+)
+def test_what_differs_from_run_to_run_is_no_change(now: dict[str, Any]) -> None:
+    assert changes([OLD], [replace(OLD, **now)], slower=2.0) == []
+
+
+def test_times_are_compared_only_when_asked_for() -> None:
+    assert changes([OLD], [replace(OLD, total_seconds=100.0)]) == []
+
+
+def test_a_quick_solve_is_never_called_slower() -> None:
+    old, new = replace(OLD, total_seconds=0.001), replace(OLD, total_seconds=0.09)
+    assert changes([old], [new], slower=2.0) == []
+
+
+def test_where_a_limit_stopped_both_values_may_differ() -> None:
+    old = replace(OLD, status="feasible", bound=7.0)
+    assert changes([old], [replace(old, objective=4.0, bound=6.0)]) == []
+
+
+def test_missing_and_new_solves_are_listed() -> None:
+    other = replace(OLD, solver="scip")
+    assert changes([OLD], [other]) == [
+        WHERE + "was there before, is missing",
+        "model on paper by scip, seed 3: was not there before",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{", "broken JSON"),
+        ("[]", "not a comparison"),
+        ('{"format": "msmrta-plan/1"}', "not a comparison"),
+        (json.dumps({"format": FORMAT}), "rows"),
+        (json.dumps({"format": FORMAT, "rows": {}}), "rows"),
+        (json.dumps({"format": FORMAT, "rows": [1]}), r"rows\[0\]"),
+        (json.dumps({"format": FORMAT, "rows": [{"instance": "a"}]}), r"rows\[0\]\.stage"),
+    ],
+)
+def test_a_broken_baseline_is_one_line_that_names_the_file(
+    tmp_path: Path, text: str, said: str
+) -> None:
+    path = tmp_path / "baseline.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match=said) as caught:
+        read_baseline(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("objective", "five"), ("status", "splendid"), ("seed", 1.5)]
+)
+def test_a_baseline_with_a_wrong_value_is_refused(
+    tmp_path: Path, field: str, value: object
+) -> None:
+    path = tmp_path / "baseline.json"
+    save_baseline([OLD], path)
+    document = json.loads(path.read_text())
+    document["rows"][0][field] = value
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError, match=rf"rows\[0\]\.{field}"):
+        read_baseline(path)
+
+
+def test_a_missing_baseline_is_said_so(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        read_baseline(tmp_path / "none.json")

@@ -1,0 +1,77 @@
+"""What staging costs, against enumeration and against the exact planner."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from msmrta_opt.cli import run
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.planners import plan
+from msmrta_opt.studies.analysis.staging import candidates, price_of_staging
+
+INSTANCES = Path(__file__).parents[3] / "instances"
+
+
+def test_losses_lead_from_the_staged_plan_to_the_optimum(paper: Instance) -> None:
+    staged = plan(paper)
+    losses = price_of_staging(staged, seconds=5)
+    assert losses[0].before == pytest.approx(staged.metrics.total_time)
+    for earlier, later in pairwise(losses):
+        assert later.before == earlier.after
+    for item in losses:
+        assert item.loss >= -1e-9
+        assert item.bound <= item.after + 1e-9
+    # The mission's optimum, by two formulations and two solvers elsewhere.
+    assert losses[-1].after == pytest.approx(1218 + 1 / 3)
+    assert sum(item.loss for item in losses) == pytest.approx(losses[0].before - losses[-1].after)
+
+
+def test_an_order_that_walks_past_a_victim_is_priced_by_hand() -> None:
+    """One robot at the left end of 1×5 cells; victims at columns 2 and 4, each 1 time unit.
+
+    The cluster's centre is column 3, so the staged plan goes to 3, back to 2 (the nearer, first of
+    two as near), on to 4: 3 + 1 + 2 = 6 cells; the best order walks 4. Service is 2 either way.
+    """
+    document = {
+        "name": "past",
+        "map": {"rows": ["....."]},
+        "capabilities": ["A"],
+        "service_time": {"A": 1},
+        "robots": [{"id": 0, "start": [0, 0], "speed": 1, "capabilities": ["A"]}],
+        "victims": [
+            {"id": 0, "cell": [0, 2], "requirements": ["A"]},
+            {"id": 1, "cell": [0, 4], "requirements": ["A"]},
+        ],
+    }
+    mission = Instance.from_document(document)
+    losses = price_of_staging(plan(mission), seconds=1)
+    assert [item.loss for item in losses] == pytest.approx([2, 0, 0, 0])
+    assert losses[-1].after == losses[-1].bound == pytest.approx(6)
+
+
+def test_no_plan_is_better_than_the_bound_and_improving_never_hurts() -> None:
+    mission = Instance.read(INSTANCES / "two_rooms.json")
+    found = {item.name: item for item in candidates(mission, "makespan", seconds=2)}
+    for name, item in found.items():
+        assert item.value >= item.bound - 1e-9
+        assert 0 <= item.gap <= 1
+        if name.endswith(", improved"):
+            assert item.value <= found[name.removesuffix(", improved")].value + 1e-9
+    assert found["exact"].gap == 0
+
+
+def test_the_command_prints_both_tables_and_draws(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    picture = tmp_path / "losses.png"
+    arguments = ["compare-plans", str(INSTANCES / "two_rooms.json"), "--seconds", "1"]
+    assert run([*arguments, "--figure", str(picture)]) == 0
+    told = capsys.readouterr().out
+    assert "order of visits" in told
+    assert "exact" in told
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert run([*arguments, "--objective", "latency"]) == 2
+    assert "total_time or makespan" in capsys.readouterr().err

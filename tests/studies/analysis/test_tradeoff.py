@@ -1,0 +1,119 @@
+"""Trade-offs of whole missions."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import random
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from msmrta_opt.cli import run
+from msmrta_opt.mission.errors import InputError, ModelError
+from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.maps import read_map
+from msmrta_opt.planners import plan
+from msmrta_opt.studies.analysis.tradeoff import tradeoff, tradeoff_regions
+from msmrta_opt.studies.analysis.tradeoff_pictures import apart, plot_value
+
+INSTANCES = Path(__file__).parents[3] / "instances"
+PAPER = INSTANCES / "paper.json"
+
+
+def test_the_papers_mission_changes_once_at_one_third(paper: Instance) -> None:
+    result = tradeoff(paper, "psi")
+    assert result.exact
+    assert result.breakpoints == [Fraction(1, 3)]
+    before, after = result.segments
+    assert (before.value(0), after.value(1)) == (10, 6)
+    assert before.assignment == ((1,), (0,), (2,), (3,))
+    assert after.assignment == ((0,), (2,), (1,), (3,))
+    assert set(result.ties[Fraction(1, 3)]) == {before.assignment, after.assignment}
+
+
+def test_each_piece_has_the_plan_that_planning_inside_it_gives(paper: Instance) -> None:
+    for segment in tradeoff(paper, "beta").segments:
+        inside = float(segment.low + (segment.high - segment.low) / 3)
+        assert segment.unique
+        assert plan(paper, beta=inside).routes == segment.plan.routes
+
+
+MAP = read_map(INSTANCES / "maps" / "map2.map")
+
+
+@pytest.mark.parametrize("mission", [Instance.read(PAPER), random_mission(MAP, 4, 12, seed=5)])
+def test_regions_tile_the_square_and_hold_their_plan(mission: Instance) -> None:
+    found = tradeoff_regions(mission)
+    area = sum((r.psi[1] - r.psi[0]) * (r.beta[1] - r.beta[0]) for r in found.regions)
+    assert area == 1
+    for one, other in itertools.combinations(found.regions, 2):
+        apart = [
+            min(a[1], b[1]) <= max(a[0], b[0])
+            for a, b in ((one.psi, other.psi), (one.beta, other.beta))
+        ]
+        assert any(apart)
+    chance = random.Random(0)
+    for region in found.regions:
+        if region.unique:
+            psi, beta = (
+                float(low + (high - low) * Fraction(chance.randint(1, 9), 10))
+                for low, high in (region.psi, region.beta)
+            )
+            assert plan(mission, psi=psi, beta=beta).routes == region.plan.routes
+
+
+def test_both_parameters_at_once_give_the_regions(paper: Instance) -> None:
+    both = tradeoff(paper, ("psi", "beta"))
+    assert [plan.routes for plan in both.plans] == [p.routes for p in tradeoff_regions(paper).plans]
+
+
+def test_what_has_no_pieces_is_refused(paper: Instance) -> None:
+    with pytest.raises(ModelError, match="beta enters the rows"):
+        tradeoff(paper, "beta", model="victim_balanced")
+    with pytest.raises(InputError, match="over"):
+        tradeoff(paper, "gamma")  # type: ignore[call-overload]
+
+
+def test_the_command_prints_the_pieces_and_writes_table_and_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, picture = tmp_path / "pieces.csv", tmp_path / "pieces.png"
+    assert run(["tradeoff", str(PAPER), "--csv", str(table), "--figure", str(picture)]) == 0
+    told = capsys.readouterr().out
+    assert "1/3 (0.333333)" in told
+    assert "exact fractions" in told
+    with table.open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["cells"] for row in rows] == ["247", "258"]
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_command_shows_the_square(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / "square.png"
+    assert run(["tradeoff", str(PAPER), "--over", "psi,beta", "--figure", str(picture)]) == 0
+    assert "3 regions, 3 different plans" in capsys.readouterr().out
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_unknown_parameter_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["tradeoff", str(PAPER), "--over", "gamma"]) == 2
+    assert capsys.readouterr().err == "error: --over: 'gamma'; give psi, beta, or psi,beta\n"
+
+
+def test_names_of_close_breakpoints_are_moved_apart_by_hand() -> None:
+    # 0.50 and 0.52 share their shortfall of 0.08; 0.9 is far enough and stays.
+    found = apart(np.array([0.5, 0.52, 0.9]), 0.1)
+    assert found == pytest.approx([0.46, 0.56, 0.9])
+    assert apart(np.array([0.1, 0.5]), 0.1) == pytest.approx([0.1, 0.5])
+
+
+def test_the_legend_of_the_value_leaves_the_lines_free(paper: Instance) -> None:
+    ax = plot_value(tradeoff(paper, "psi"))
+    ax.figure.canvas.draw()
+    legend = ax.get_legend()
+    assert legend is not None
+    assert not legend.get_window_extent().overlaps(ax.get_window_extent())
