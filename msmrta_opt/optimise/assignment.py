@@ -1,7 +1,7 @@
-"""Recognised assignment programs, by an assignment algorithm, with dual prices as proof.
+"""Recognised assignment programs, by an assignment algorithm, with dual values as proof.
 
 The algorithm is SciPy's `linear_sum_assignment` (Jonker-Volgenant without initialisation). It gives
-no prices, so they are worked out from its matching as shortest-path potentials of the residual graph;
+no duals, so they are worked out from its matching as shortest-path potentials of the residual graph;
 whether they prove the optimum is then for `check.dual_bound` to say, not for this module.
 """
 
@@ -33,12 +33,12 @@ class _Assignment:
 
 
 def solve_assignment(program: Program, structure: Structure) -> tuple[Floats, Floats] | None:
-    """An optimal point of a recognised assignment, and its dual prices.
+    """An optimal point of a recognised assignment, and its dual values.
 
     Returns
     -------
     x : float array, shape (n_columns,)
-    prices : float array, shape (n_rows,)
+    duals : float array, shape (n_rows,)
         In the convention of `check.dual_bound`.
 
     ``None`` where the program is another one than this method handles (it then goes to the linear
@@ -54,7 +54,7 @@ def solve_assignment(program: Program, structure: Structure) -> tuple[Floats, Fl
     x = structure.core.fixed.copy()
     taken = picked >= 0
     x[table.column[np.flatnonzero(taken), picked[taken]]] = 1.0
-    return x, _prices(program, table, u, v)
+    return x, _duals(program, table, u, v)
 
 
 def _read(program: Program, structure: Structure) -> _Assignment | None:
@@ -148,13 +148,13 @@ def _potentials(cost: Floats, picked: Ints) -> tuple[Floats, Floats]:
     return own - distance, v
 
 
-def _prices(program: Program, table: _Assignment, u: Floats, v: Floats) -> Floats:
-    prices = np.zeros(program.n_rows)
+def _duals(program: Program, table: _Assignment, u: Floats, v: Floats) -> Floats:
+    duals = np.zeros(program.n_rows)
     if table.cardinality_row is not None:
         # The rows of the smaller side are at most one each; the cardinality row carries the rest.
         carried = float(u.max(initial=0.0))
-        prices[table.cardinality_row] = carried
+        duals[table.cardinality_row] = carried
         u = u - carried
-    prices[table.small_rows] = u
-    prices[table.large_rows] = v
-    return prices
+    duals[table.small_rows] = u
+    duals[table.large_rows] = v
+    return duals

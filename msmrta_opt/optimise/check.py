@@ -77,22 +77,22 @@ def _worst(missed: Floats, most: int) -> list[int]:
     return [int(i) for i in wrong[np.argsort(-by_how_much, kind="stable")][:most]]
 
 
-def dual_bound(program: Program, prices: Floats) -> float:
-    """The bound that dual `prices` prove on the program's objective, by weak LP duality.
+def dual_bound(program: Program, duals: Floats) -> float:
+    """The bound that dual values `duals` prove on the program's objective, by weak LP duality.
 
-    Whatever the prices are, no feasible point is better; good prices make the bound tight. It is
-    infinite where a price has the wrong sign for a one-sided row or a free column.
+    Whatever the duals are, no feasible point is better; good duals make the bound tight. It is
+    infinite where a dual value has the wrong sign for a one-sided row or a free column.
 
     Parameters
     ----------
     program : Program
         The arrays.
-    prices : float array, shape (n_rows,)
-        For a minimisation of ``sign * cost``: positive prices lean on ``row_lower``, negative ones
+    duals : float array, shape (n_rows,)
+        For a minimisation of ``sign * cost``: positive duals lean on ``row_lower``, negative ones
         on ``row_upper``.
     """
-    prices, of_rows = _leaning(prices, program.row_lower, program.row_upper)
-    reduced = program.sign * program.cost - program.matrix.T @ prices
+    duals, of_rows = _leaning(duals, program.row_lower, program.row_upper)
+    reduced = program.sign * program.cost - program.matrix.T @ duals
     _, of_columns = _leaning(reduced, program.lower, program.upper)
     return program.sign * (of_rows + of_columns) + program.offset
 

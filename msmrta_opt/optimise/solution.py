@@ -52,8 +52,8 @@ class Solution:
     nodes: int | None = None
     n_variables: int = 0
     n_rows: int = 0
-    prices: dict[str, NDArray[np.float64]] = field(default_factory=dict, repr=False)
-    """Dual prices by constraint label, where the proof is LP duality."""
+    duals: dict[str, NDArray[np.float64]] = field(default_factory=dict, repr=False)
+    """Dual values by constraint label, where the proof is LP duality."""
 
     @property
     def gap(self) -> float | None:

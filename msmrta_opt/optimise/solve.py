@@ -167,8 +167,8 @@ def solve_program(
         n_variables=program.n_columns,
         n_rows=program.n_rows,
     )
-    if outcome.prices is not None:
-        solution = _with_prices(solution, program, outcome.prices)
+    if outcome.duals is not None:
+        solution = _with_duals(solution, program, outcome.duals)
     if outcome.x is None or outcome.status not in ("optimal", "feasible"):
         return solution
     return _checked(solution, program, outcome.x)
@@ -208,20 +208,20 @@ def _by_structure(
         relaxed = integral_relaxation(program, structure)
         answer = solve_assignment(program, structure)
         if answer is not None:
-            x, prices = answer
-            bound = dual_bound(relaxed, prices)
+            x, duals = answer
+            bound = dual_bound(relaxed, duals)
             if _is_tight(program, x, bound):
-                proof = f"{structure.description}; assignment algorithm, dual prices"
-                return "lsa", Outcome("optimal", x, bound, prices=prices, proof=proof)
-        proof = f"{structure.description}; simplex, dual prices"
+                proof = f"{structure.description}; assignment algorithm, dual values"
+                return "lsa", Outcome("optimal", x, bound, duals=duals, proof=proof)
+        proof = f"{structure.description}; simplex, dual values"
     else:
         relaxed = program.relaxed()
-        proof = "integral vertex of the relaxation, dual prices"
+        proof = "integral vertex of the relaxation, dual values"
     outcome = highs.solve(relaxed, replace(options, start=None, gap=None))
     if outcome.status == "optimal" and outcome.x is not None:
         x = settled(program, outcome.x)
         if not violations(program, x):
-            proven = None if outcome.prices is None else dual_bound(relaxed, outcome.prices)
+            proven = None if outcome.duals is None else dual_bound(relaxed, outcome.duals)
             if proven is not None and _is_tight(program, x, proven):
                 return highs.name, replace(outcome, x=x, bound=proven, proof=proof)
     if outcome.status == "infeasible":
@@ -237,15 +237,15 @@ def _is_tight(program: Program, x: Floats, bound: float) -> bool:
     return abs(value - bound) <= TIGHT * max(1.0, abs(value), float(np.abs(program.cost).max()))
 
 
-def _with_prices(solution: Solution, program: Program, prices: Floats) -> Solution:
+def _with_duals(solution: Solution, program: Program, duals: Floats) -> Solution:
     named = {
-        block.name: prices[block.start : block.stop].reshape(block.shape, order="F")
+        block.name: duals[block.start : block.stop].reshape(block.shape, order="F")
         for block in program.rows
     }
     bound = solution.bound
     if bound is None:
-        bound = dual_bound(program, prices)
-    return replace(solution, prices=named, bound=bound if np.isfinite(bound) else None)
+        bound = dual_bound(program, duals)
+    return replace(solution, duals=named, bound=bound if np.isfinite(bound) else None)
 
 
 def _checked(solution: Solution, program: Program, x: Floats) -> Solution:
@@ -277,7 +277,7 @@ def _checked(solution: Solution, program: Program, x: Floats) -> Solution:
 
 def _failed(solution: Solution, check: str) -> Solution:
     """The solution whose incumbent failed its check: nothing of it is shown."""
-    return replace(solution, status="error", bound=None, proof="", prices={}, check=check)
+    return replace(solution, status="error", bound=None, proof="", duals={}, check=check)
 
 
 def _start(program: Program, values: dict[str, Floats]) -> Floats:

@@ -1,8 +1,8 @@
 """The exact planner: the joint problem, improved from above and bounded from below, at any time.
 
 It starts from the best plan of the quick planners, improved by local search; total time and makespan
-are then closed in on by the strong method (`optimise.routing.strong`), latency by column generation
-(`optimise.routing.latency_search`). It stops at the time limit, at the gap, or at Ctrl-C, always with
+are then closed in on by branch and cut (`routing.branch_and_cut.search`), latency by column generation
+(`routing.branch_and_price.search`). It stops at the time limit, at the gap, or at Ctrl-C, always with
 the best plan and what is proven about it.
 """
 

@@ -22,7 +22,7 @@ from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners.support.explicit_model import problem_of
 
-MAPS = Path(__file__).parents[3] / "instances" / "maps"
+MAPS = Path(__file__).parents[2] / "instances" / "maps"
 
 LIMITS: list[dict[str, Any]] = [
     {},

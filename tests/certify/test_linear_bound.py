@@ -21,7 +21,7 @@ from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.mission.proof import RootProof
 
-MAPS = Path(__file__).parents[3] / "instances" / "maps"
+MAPS = Path(__file__).parents[2] / "instances" / "maps"
 KIND = "FirstAids"
 
 MAKESPAN: dict[str, Any] = PRICES | {

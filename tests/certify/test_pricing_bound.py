@@ -26,7 +26,7 @@ from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.planners.support.explicit_model import problem_of
 from msmrta_opt.routing.branch_and_price.queue_bound import latency_bound
 
-MAPS = Path(__file__).parents[3] / "instances" / "maps"
+MAPS = Path(__file__).parents[2] / "instances" / "maps"
 KIND = "FirstAids"
 Document = dict[str, Any]
 

@@ -1,4 +1,4 @@
-"""The assignment algorithm against every matching, and its dual prices as proof."""
+"""The assignment algorithm against every matching, and its dual values as proof."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Table:
 
 
 def assert_proven(program: Program, best: float | None) -> None:
-    """The assignment algorithm handles the program, and its prices prove that it is right."""
+    """The assignment algorithm handles the program, and its duals prove that it is right."""
     structure = recognise(program)
     assert structure is not None
     answer = solve_assignment(program, structure)
@@ -77,10 +77,10 @@ def assert_proven(program: Program, best: float | None) -> None:
         assert answer is None
         return
     assert answer is not None
-    x, prices = answer
+    x, duals = answer
     assert violations(program, x) == []
     assert program.value(x) == pytest.approx(best, abs=1e-9)
-    assert dual_bound(integral_relaxation(program, structure), prices) == pytest.approx(
+    assert dual_bound(integral_relaxation(program, structure), duals) == pytest.approx(
         best, abs=1e-9
     )
 
@@ -182,10 +182,10 @@ def test_the_answer_is_none_rather_than_a_wrong_one(base: Program, data: st.Data
     answer = None if structure is None else solve_assignment(base, structure)
     if structure is None or answer is None:
         return
-    x, prices = answer
+    x, duals = answer
     assert violations(base, x) == []
     assert base.value(x) == pytest.approx(best_value(base), abs=1e-9)
-    bound = dual_bound(integral_relaxation(base, structure), prices)
+    bound = dual_bound(integral_relaxation(base, structure), duals)
     assert bound == pytest.approx(base.value(x), abs=1e-9)
 
 

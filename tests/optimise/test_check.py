@@ -109,7 +109,7 @@ def test_settling_never_hides_a_violation() -> None:
     assert violations(relaxed, settled(relaxed, np.array([0, 1.5, 1, 0]))) != []
 
 
-prices = st.one_of(st.just(0.0), st.integers(-3, 3).map(float), st.floats(-1e3, 1e3))
+duals = st.one_of(st.just(0.0), st.integers(-3, 3).map(float), st.floats(-1e3, 1e3))
 
 
 @given(program=st.one_of(assignment_programs(most_edits=2), structured_programs()), data=st.data())
@@ -118,10 +118,10 @@ def test_no_prices_prove_more_than_the_optimum(program: Program, data: st.DataOb
     best = best_value(program)
     if best is None:
         return  # every bound is true of nothing
-    given_prices = data.draw(st.lists(prices, min_size=program.n_rows, max_size=program.n_rows))
-    bound = dual_bound(program, np.array(given_prices))
+    given_duals = data.draw(st.lists(duals, min_size=program.n_rows, max_size=program.n_rows))
+    bound = dual_bound(program, np.array(given_duals))
     assert not np.isnan(bound)
-    assert program.sign * (bound - best) <= 1e-6 * max(1.0, np.abs(given_prices).max())
+    assert program.sign * (bound - best) <= 1e-6 * max(1.0, np.abs(given_duals).max())
 
 
 @given(

@@ -377,4 +377,4 @@ def test_dual_prices_come_by_the_labels_of_their_rows() -> None:
     limit = (cp.sum(x) <= 4).set_label("what there is")
     solution = solve(problem(cp.Maximize(np.array([3, 2]) @ x), [limit]), None)
     assert solution.objective == pytest.approx(12)
-    assert abs(float(solution.prices["what there is"])) == pytest.approx(3)
+    assert abs(float(solution.duals["what there is"])) == pytest.approx(3)

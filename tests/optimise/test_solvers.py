@@ -444,8 +444,8 @@ def test_a_log_is_shown_only_when_asked_for(
 def test_prices_of_a_continuous_program_prove_its_optimum(solver: Solver, name: str) -> None:
     case = KNOWN[name]
     outcome = solver.solve(case.asked, Options())
-    assert outcome.prices is not None
-    assert dual_bound(case.asked, outcome.prices) == pytest.approx(case.best)
+    assert outcome.duals is not None
+    assert dual_bound(case.asked, outcome.duals) == pytest.approx(case.best)
 
 
 @every_solver

@@ -32,7 +32,7 @@ models = ["cluster_one_to_one", "cluster_mine"]
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A folder with a study's map and a formulation of one's own."""
-    shipped = Path(__file__).parents[3] / "models" / "cluster_one_to_one.py"
+    shipped = Path(__file__).parents[2] / "models" / "cluster_one_to_one.py"
     (tmp_path / "mine").mkdir()
     shutil.copy(shipped, tmp_path / "mine" / "cluster_mine.py")
     return tmp_path

@@ -70,14 +70,14 @@ class Options:
 class Outcome:
     """What a solver said, in the program's own sense, before anybody checked it.
 
-    ``prices`` are LP duals in the convention of `check.dual_bound`.
+    ``duals`` are LP duals in the convention of `check.dual_bound`.
     """
 
     status: Status
     x: Floats | None = None
     bound: float | None = None
     nodes: int | None = None
-    prices: Floats | None = None
+    duals: Floats | None = None
     proof: str = ""
     message: str = ""
 

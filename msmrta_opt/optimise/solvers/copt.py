@@ -78,8 +78,8 @@ def _outcome(copt: Any, model: Any, program: Program) -> Outcome:
     if not integer:  # before it is optimal, a point of the simplex method need not be feasible
         if model.status != copt.OPTIMAL:
             return Outcome("no_solution", message=name)
-        x, prices = np.array(model.getValues()), np.array(model.getDuals())
-        return Outcome("optimal", x, prices=prices, proof="LP duality", message="optimal")
+        x, duals = np.array(model.getValues()), np.array(model.getDuals())
+        return Outcome("optimal", x, duals=duals, proof="LP duality", message="optimal")
     bound = own_bound(program, model.bestbnd)
     if not model.hasmipsol:
         return Outcome("no_solution", None, bound, nodes, message=name)

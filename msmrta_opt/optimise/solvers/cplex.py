@@ -107,8 +107,8 @@ def _outcome(model: Any, program: Program) -> Outcome:
     if not integer:  # before it is optimal, a point of the simplex method need not be feasible
         if status != statuses.optimal:
             return Outcome("no_solution", message=name)
-        x, prices = np.array(solution.get_values()), np.array(solution.get_dual_values())
-        return Outcome("optimal", x, prices=prices, proof="LP duality", message=name)
+        x, duals = np.array(solution.get_values()), np.array(solution.get_dual_values())
+        return Outcome("optimal", x, duals=duals, proof="LP duality", message=name)
     bound = own_bound(program, solution.MIP.get_best_objective())
     if not solution.is_primal_feasible():
         return Outcome("no_solution", None, bound, nodes, message=name)

@@ -107,9 +107,9 @@ def _bounds(glp: Any, lower: float, upper: float) -> tuple[int, float, float]:
 
 def _of_relaxation(glp: Any, problem: Any, program: Program) -> Outcome:
     x = [glp.glp_get_col_prim(problem, j + 1) for j in range(program.n_columns)]
-    prices = [glp.glp_get_row_dual(problem, i + 1) for i in range(program.n_rows)]
+    duals = [glp.glp_get_row_dual(problem, i + 1) for i in range(program.n_rows)]
     return Outcome(
-        "optimal", np.array(x), prices=np.array(prices), proof="LP duality", message="optimal"
+        "optimal", np.array(x), duals=np.array(duals), proof="LP duality", message="optimal"
     )
 
 

@@ -99,10 +99,10 @@ def _outcome(
     if not integer:  # before it is optimal, a point of the simplex method need not be feasible
         if model.Status != grb.OPTIMAL:
             return Outcome("no_solution", message=name)
-        prices = np.zeros(program.n_rows)
+        duals = np.zeros(program.n_rows)
         for where, constraints in rows:
-            prices[where] += constraints.Pi
-        return Outcome("optimal", x.X, prices=prices, proof="LP duality", message=name)
+            duals[where] += constraints.Pi
+        return Outcome("optimal", x.X, duals=duals, proof="LP duality", message=name)
     bound = own_bound(program, model.ObjBound)
     if model.SolCount == 0:
         return Outcome("no_solution", None, bound, nodes, message=name)

@@ -96,8 +96,8 @@ def _outcome(highspy: Any, highs: Any, program: Program) -> Outcome:
         if x is None:
             x = np.zeros(program.n_columns)
         if not integer:
-            prices = np.array(highs.getSolution().row_dual)
-            return Outcome("optimal", x, prices=prices, proof="LP duality", message=name)
+            duals = np.array(highs.getSolution().row_dual)
+            return Outcome("optimal", x, duals=duals, proof="LP duality", message=name)
         bound = _own_bound(program, info.mip_dual_bound)
         return Outcome("optimal", x, bound, nodes, proof="branch and bound", message=name)
     if model_status == statuses.kInfeasible:

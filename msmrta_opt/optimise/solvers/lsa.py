@@ -16,10 +16,10 @@ def run(program: Program, options: Options) -> Outcome:
     answer = None if structure is None else solve_assignment(program, structure)
     if structure is None or answer is None:
         return Outcome("skipped", message="not recognised as a linear assignment with a solution")
-    x, prices = answer
-    bound = dual_bound(integral_relaxation(program, structure), prices)
-    proof = f"{structure.description}; assignment algorithm, dual prices"
-    return Outcome("optimal", x, bound, prices=prices, proof=proof)
+    x, duals = answer
+    bound = dual_bound(integral_relaxation(program, structure), duals)
+    proof = f"{structure.description}; assignment algorithm, dual values"
+    return Outcome("optimal", x, bound, duals=duals, proof=proof)
 
 
 SOLVER = Solver(

@@ -100,8 +100,8 @@ def _outcome(mosek: Any, task: Any, kind: Any, program: Program) -> Outcome:
     if not integer:
         if status != known.optimal:
             return Outcome("no_solution", message=message)
-        x, prices = np.array(task.getxx(kind)), np.array(task.gety(kind))
-        return Outcome("optimal", x, prices=prices, proof="LP duality", message=message)
+        x, duals = np.array(task.getxx(kind)), np.array(task.gety(kind))
+        return Outcome("optimal", x, duals=duals, proof="LP duality", message=message)
     bound = None
     if task.getintinf(mosek.iinfitem.mio_obj_bound_defined):
         bound = own_bound(program, task.getdouinf(mosek.dinfitem.mio_obj_bound))

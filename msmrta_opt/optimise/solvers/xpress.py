@@ -100,8 +100,8 @@ def _outcome(xpress: Any, problem: Any, program: Program) -> Outcome:
         if found != statuses.OPTIMAL:
             return Outcome("no_solution", message=name)
         x = np.array(problem.getSolution())
-        prices = np.array(problem.getDuals() if program.n_rows else [])
-        return Outcome("optimal", x, prices=prices, proof="LP duality", message=name)
+        duals = np.array(problem.getDuals() if program.n_rows else [])
+        return Outcome("optimal", x, duals=duals, proof="LP duality", message=name)
     # Before the root relaxation is solved, Xpress reports 0.
     bound = None
     if problem.attributes.mipstatus not in (
