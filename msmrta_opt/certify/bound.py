@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from ..mission.errors import CheckError, InputError
+from ..mission.exact import exact
 from ..mission.plan import Certificate, Plan
 from ..mission.proof import RootProof
-from .joint_problem import Joint, exact, service_times
+from .joint_problem import Joint, service_times
 from .linear_bound import Relaxation, relaxation
 from .pricing_bound import proved as priced
 from .queue_bound import in_queues

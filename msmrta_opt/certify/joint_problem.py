@@ -14,18 +14,10 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
 
+from ..mission.exact import exact, greatest_common_divisor
 from ..mission.grid import Cell, GridMap
 from ..mission.instance import Instance
 from ..mission.plan import Plan
-
-_LARGEST_DENOMINATOR = 10_000
-_CLOSE = 1e-12
-
-
-def exact(number: float) -> Fraction:
-    """The fraction that `number` is written for: a simple one next to it, else itself."""
-    simple = Fraction(number).limit_denominator(_LARGEST_DENOMINATOR)
-    return simple if abs(float(simple) - number) <= _CLOSE * abs(number) else Fraction(number)
 
 
 def steps_from(grid: GridMap, start: Cell) -> dict[Cell, int]:
@@ -207,12 +199,3 @@ class Joint:
                 (soonest[need] + self.service[need] for need in soonest), default=Fraction(0)
             )
         return self.total_service + max(soonest.values(), default=Fraction(0))
-
-
-def greatest_common_divisor(times: Iterable[Fraction]) -> Fraction:
-    """The largest fraction of which all `times` are multiples; 0 if all are 0."""
-    divisor = Fraction(0)
-    for time in set(times):
-        top = math.gcd(divisor.numerator * time.denominator, time.numerator * divisor.denominator)
-        divisor = Fraction(top, divisor.denominator * time.denominator)
-    return divisor

@@ -29,8 +29,9 @@ from fractions import Fraction
 import numpy as np
 
 from ..mission.errors import CheckError
+from ..mission.exact import exact
 from ..mission.proof import LatencyProof, PriceRound
-from .joint_problem import Joint, exact
+from .joint_problem import Joint
 from .relaxed_routes import Deadlines, Ints, Need, Network, last_services
 
 _MOST_BITS, _FEWEST_BITS = 40, 8

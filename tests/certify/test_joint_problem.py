@@ -2,39 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
-from msmrta_opt.certify.joint_problem import Joint, exact, greatest_common_divisor, steps_from
+from msmrta_opt.certify.joint_problem import Joint, steps_from
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan
-
-
-@pytest.mark.parametrize(
-    ("number", "fraction"),
-    [
-        (0.3, Fraction(3, 10)),
-        (1 / 3, Fraction(1, 3)),
-        (12, Fraction(12)),
-        (0, Fraction(0)),
-        (0.0001, Fraction(1, 10_000)),
-        (math.pi, Fraction(math.pi)),
-    ],
-)
-def test_a_number_is_the_fraction_that_it_is_written_for(number: float, fraction: Fraction) -> None:
-    assert exact(number) == fraction
-
-
-def test_the_greatest_common_divisor_of_times_is_exact() -> None:
-    """1/0.3 and 1/0.4 are 10/3 and 5/2, both multiples of 5/6."""
-    thirds, halves = Fraction(10, 3), Fraction(5, 2)
-    assert greatest_common_divisor([thirds, halves]) == Fraction(5, 6)
-    assert greatest_common_divisor([Fraction(0), Fraction(4)]) == 4
-    assert greatest_common_divisor([]) == 0
 
 
 def test_steps_go_around_walls_and_not_through_them() -> None:
