@@ -69,7 +69,7 @@ def compare(
     from .console import console
     from .outputs import check_outputs, check_parquet
 
-    check_outputs(csv, parquet, json, save, figure=figure)
+    check_outputs(csv, parquet, json, save, figure=figure, inputs=[*instances, against])
     check_parquet(parquet)
     _check_slower(against, slower)
     baseline = None if against is None else read_baseline(against)

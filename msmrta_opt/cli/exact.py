@@ -47,7 +47,7 @@ def exact(
     from .outputs import check_outputs, write_plan
     from .tables import show_plan
 
-    check_outputs(json, figure=figure)
+    check_outputs(json, figure=figure, inputs=[instance])
     began = time.monotonic()
 
     def report(routes: Routes, value: float, bound: float, what: str) -> None:

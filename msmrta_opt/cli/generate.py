@@ -91,7 +91,7 @@ def generate(
     from ..mission.named_maps import make_map
     from .outputs import check_outputs
 
-    check_outputs(output)
+    check_outputs(output, inputs=[Path(map_)])
     check_share(unreachable, "unreachable")
     layout: dict[str, Any] = {"room": room, "density": density, "openings": openings}
     if size is not None:

@@ -59,7 +59,7 @@ def plan(
     from .outputs import check_outputs, named_values, write_plan
     from .tables import show_plan
 
-    check_outputs(json, figure=figure)
+    check_outputs(json, figure=figure, inputs=[instance])
     given = {
         "preset": preset,
         "psi": psi,
@@ -137,7 +137,7 @@ def scout(
     from .console import say, table
     from .outputs import check_outputs
 
-    check_outputs(json, figure=figure)
+    check_outputs(json, figure=figure, inputs=[instance])
     mission = Instance.read(instance)
     report = scouting(
         mission,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
-import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..mission.errors import InputError
-from ..mission.files import read_text, write_with
+from ..mission.files import parse_json, read_json, write_with
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,21 +18,27 @@ if TYPE_CHECKING:
     from ..mission.plan import Plan, ScoutingReport
 
 
-def check_outputs(*files: Path | None, figure: Path | None = None) -> None:
+def check_outputs(
+    *files: Path | None, figure: Path | None = None, inputs: Iterable[Path | None] = ()
+) -> None:
     """Refuse outputs that could not be written, before there is anything to write.
 
     Raises
     ------
     InputError
-        If a folder does not exist, a file is a folder, or a picture's format is unknown.
+        If a folder does not exist, a file is a folder, one of the `inputs` or given twice, or a
+        picture's format is unknown.
     """
-    for file in (*files, figure):
-        if file is None:
-            continue
+    outputs = [file for file in (*files, figure) if file is not None]
+    for number, file in enumerate(outputs):
         if file.is_dir():
             raise InputError("is a folder; give a file", file=file)
         if not file.parent.is_dir():
             raise InputError(f"no folder {str(file.parent)!r} to write it in", file=file)
+        if any(_is_same(file, other) for other in outputs[:number]):
+            raise InputError("is given for two outputs; give two files", file=file)
+        if file.is_file() and any(_is_same(file, other) for other in _all_read(inputs)):
+            raise InputError("would overwrite what is read; give another file", file=file)
     if figure is not None:
         from ..plots import FORMATS
 
@@ -42,6 +48,24 @@ def check_outputs(*files: Path | None, figure: Path | None = None) -> None:
                 f"unknown picture format {figure.suffix!r}; the suffix is one of {known}",
                 file=figure,
             )
+
+
+def _is_same(file: Path, other: Path) -> bool:
+    """Whether both are one file, by whatever links; devices are shared by all."""
+    return file.resolve() == other.resolve() and (file.is_file() or not file.exists())
+
+
+def _all_read(inputs: Iterable[Path | None]) -> Iterator[Path]:
+    """The `inputs`, and the map files to which those that are missions refer."""
+    for file in inputs:
+        if file is None:
+            continue
+        yield file
+        with contextlib.suppress(InputError):  # it will be said when the file is read
+            document = read_json(file)
+            name = document.get("map") if isinstance(document, dict) else None
+            if isinstance(name, str) and (file.parent / name).is_file():
+                yield file.parent / name
 
 
 def check_parquet(path: Path | None) -> None:
@@ -84,12 +108,7 @@ def document_format(path: Path) -> str:
     InputError
         If the file cannot be read, or is not a JSON object.
     """
-    try:
-        document = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"broken JSON: {error.msg} at line {error.lineno} column {error.colno}", file=path
-        ) from None
+    document = read_json(path)
     if not isinstance(document, dict):
         raise InputError("not a JSON object; give an instance or a plan", file=path)
     return str(document.get("format", ""))
@@ -125,8 +144,8 @@ def named_values(texts: Iterable[str] | None) -> dict[str, Any]:
         if name in values:
             raise InputError(f"{name!r} is given twice; give it once", field="--option")
         try:
-            values[name] = json.loads(value)
-        except json.JSONDecodeError:
+            values[name] = parse_json(value)
+        except InputError:
             values[name] = value
         if isinstance(values[name], (list, dict)):
             raise InputError(

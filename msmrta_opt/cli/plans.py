@@ -37,7 +37,7 @@ def compare_plans(
         raise InputError(f"{objective!r}; give total_time or makespan", field="--objective")
     if not seconds >= 0:
         raise InputError(f"{seconds!r}; give 0 or more", field="--seconds")
-    check_outputs(figure=figure)
+    check_outputs(figure=figure, inputs=instances)
     by = cast("Objective", objective)
     priced = {}
     for mission in [Instance.read(path) for path in instances]:

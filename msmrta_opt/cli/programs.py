@@ -155,7 +155,7 @@ def export(
     from ..optimise.export import require_format
     from .outputs import check_outputs
 
-    check_outputs(output)
+    check_outputs(output, inputs=[instance])
     require_format(output)
     formulation, data = _prepared(model, instance, options, folders)
     write(formulation, data, output, **_numbers(formulation, parameters))

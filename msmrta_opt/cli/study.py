@@ -108,7 +108,7 @@ def export(
 
     if csv is None and parquet is None and json is None:
         raise InputError("nothing to write; give --csv, --parquet or --json", field="export")
-    check_outputs(csv, parquet, json)
+    check_outputs(csv, parquet, json, inputs=[study, study.with_suffix(".sqlite")])
     check_parquet(parquet)
     _, _, records = _read(study)
     table = frame(records).convert_dtypes()

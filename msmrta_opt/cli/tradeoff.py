@@ -34,7 +34,7 @@ def tradeoff(
     from ..studies.analysis import tradeoff as study
     from .outputs import check_outputs
 
-    check_outputs(csv, figure=figure)
+    check_outputs(csv, figure=figure, inputs=[instance])
     given = {"psi": psi, "seed": seed}
     options: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     mission = Instance.read(instance)

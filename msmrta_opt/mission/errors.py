@@ -6,7 +6,9 @@ line that names the file, the field and the offending value, and says what would
 
 from __future__ import annotations
 
+import json
 from os import PathLike
+from typing import Any
 
 
 class MsmrtaError(Exception):
@@ -49,3 +51,26 @@ class SolverError(MsmrtaError):
 
 class CheckError(MsmrtaError):
     """A solution or a plan failed its independent check, so it is not shown as a result."""
+
+
+def at(*parts: str | int) -> str:
+    """A path into a document: ``at("robots", 2, "speed")`` is ``robots[2].speed``."""
+    path = ""
+    for part in parts:
+        if isinstance(part, int):
+            path += f"[{part}]"
+        else:
+            # Names come from the document, and must not break the line they are printed on.
+            name = part if part.isprintable() else repr(part)
+            path += f".{name}" if path else name
+    return path
+
+
+def shown(value: Any, limit: int = 60) -> str:
+    """`value` as its document has it, on one line of at most `limit` characters."""
+    try:
+        text = repr(value) if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    except (TypeError, ValueError):
+        text = repr(value)
+    text = text if text.isprintable() else repr(text)[1:-1]
+    return text if len(text) <= limit else text[: limit - 1] + "…"

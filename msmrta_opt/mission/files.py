@@ -1,48 +1,203 @@
-"""Files read with clear errors, and written whole or not at all."""
+"""Files: read within limits and with clear errors, and written whole or not at all.
+
+All text that the package takes, of whatever format, comes through `read_text`: a regular file, or ``-``
+for standard input, of at most `LARGEST_MIB`, in UTF-8 with or without a byte order mark. JSON and TOML
+come through `read_json` and `read_toml`, which refuse what their parsers take without a word: keys
+given twice, numbers that are not finite, and depths and digits that nothing after them could take.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import json
+import math
 import os
+import re
+import stat
+import sys
 import tempfile
+from collections import Counter
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from typing import Any
 
-from .errors import InputError
+from .errors import InputError, at, shown
+
+LARGEST_MIB = 64
+"""Size of the largest text that is read."""
+DEEPEST = 100
+"""Levels of lists and tables within each other."""
+MOST_DIGITS = 300
+"""Of a whole number; a longer one is beyond the range of a float."""
 
 
 def read_text(path: str | Path) -> str:
-    """The text of `path`, as UTF-8.
+    r"""The text of `path`, as UTF-8, its lines ended by ``\n``.
+
+    Parameters
+    ----------
+    path : path
+        A regular file, or ``-`` for standard input, which is read once and then remembered.
 
     Raises
     ------
     InputError
-        If there is no such file, or it cannot be read as text.
+        If there is no such file, it is not a regular one, too large, or cannot be read as text.
     """
     try:
-        return Path(path).read_text(encoding="utf-8-sig")
+        data = _standard_input() if str(path) == "-" else _bytes_of(Path(path))
+        if len(data) > LARGEST_MIB * 2**20:
+            raise InputError(f"too large; give at most {LARGEST_MIB} MiB", file=path)
+        text = data.decode("utf-8-sig")
     except FileNotFoundError:
         raise InputError("no such file", file=path) from None
     except UnicodeDecodeError as error:
         raise InputError(f"not a UTF-8 text file ({error.reason})", file=path) from None
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", file=path) from None
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def write_with(path: str | Path, write: Callable[[Path], None]) -> None:
-    """Let `write` fill a temporary file beside `path`, then move it into place.
+def _bytes_of(path: Path) -> bytes:
+    """What is in `path`, up to a byte more than may be."""
+    try:
+        mode = path.stat().st_mode
+    except ValueError:  # a null character, or half of a surrogate pair
+        raise InputError("no file can have this name", file=repr(str(path))) from None
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
+        raise InputError(
+            f"cannot be read ({kind}); give a regular file, or - for standard input", file=path
+        )
+    with path.open("rb") as file:
+        return file.read(LARGEST_MIB * 2**20 + 1)
 
-    Readers see the old file or the new one, never half of one.
+
+@cache
+def _standard_input() -> bytes:
+    return sys.stdin.buffer.read(LARGEST_MIB * 2**20 + 1)
+
+
+def read_json(path: str | Path) -> Any:
+    """The JSON document in `path`; see `parse_json` and `read_text` for what is refused."""
+    try:
+        return parse_json(read_text(path))
+    except InputError as error:
+        raise error.within(path) from None
+
+
+def parse_json(text: str) -> Any:
+    """The JSON document in `text`.
 
     Raises
     ------
     InputError
-        If the folder does not exist or cannot be written.
+        If it is broken, a key is given twice, a number is not finite or has more than `MOST_DIGITS`
+        digits, or it is nested deeper than `DEEPEST`.
+    """
+    return _parsed(text, "JSON", lambda text: json.loads(text, object_pairs_hook=_table))
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """The TOML document in `path`; refused is what `parse_json` and `read_text` refuse."""
+    import tomllib
+
+    try:
+        document: dict[str, Any] = _parsed(read_text(path), "TOML", tomllib.loads)
+    except InputError as error:
+        raise error.within(path) from None
+    return document
+
+
+def _parsed(text: str, language: str, parse: Callable[[str], Any]) -> Any:
+    try:
+        document = parse(text)
+        fault = _fault(document)
+    except RecursionError:
+        raise InputError(f"nested too deep; give at most {DEEPEST} levels") from None
+    except ValueError as error:
+        if type(error) is not ValueError:  # the parser's own
+            raise InputError(f"broken {language}: {error}") from None
+        # Python reads no number of so many digits, and does not say where it stands.
+        found = re.search(rf"[\d_]{{{MOST_DIGITS + 1},}}", text)
+        line = text.count("\n", 0, found.start() if found else 0) + 1
+        raise InputError(_too_many_digits(), field=f"line {line}") from None
+    if fault is not None:
+        place, problem = fault
+        raise InputError(problem, field=at(*place))
+    return document
+
+
+@dataclass(frozen=True)
+class _Repeated:
+    """Stands in a table for a key that was given twice."""
+
+
+def _table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        counted = Counter(key for key, _ in pairs)
+        table |= {key: _Repeated() for key, times in counted.items() if times > 1}
+    return table
+
+
+Fault = tuple[tuple[str | int, ...], str]
+
+
+def _fault(value: Any, depth: int = 0) -> Fault | None:
+    """The first place in a document at which something cannot be taken, and what."""
+    if isinstance(value, int):
+        return None if abs(value) < 10**MOST_DIGITS else ((), _too_many_digits())
+    if isinstance(value, float):
+        return None if math.isfinite(value) else ((), f"{shown(value)}; give a finite number")
+    if isinstance(value, str):
+        return None if value.isascii() or _is_unicode(value) else ((), "half a surrogate pair")
+    if isinstance(value, _Repeated):
+        return (), "is given twice; give it once"
+    if not isinstance(value, (dict, list)):
+        return None
+    if depth == DEEPEST:
+        raise RecursionError
+    for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+        if fault := _fault(item, depth + 1) or _fault(key):
+            return (key, *fault[0]), fault[1]
+    return None
+
+
+def _is_unicode(text: str) -> bool:
+    return not any("\ud800" <= character <= "\udfff" for character in text)
+
+
+def _too_many_digits() -> str:
+    return f"a number of more than {MOST_DIGITS} digits; give fewer"
+
+
+def write_with(path: str | Path, write: Callable[[Path], None]) -> None:
+    """Let `write` fill a temporary file, then move it into the place of `path`.
+
+    Readers see the old file or the new one, never half of one; the new one has the old one's
+    permissions. A link stays a link: what it points at is replaced. What is not a regular file, such
+    as a device or a pipe, is written through.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist, or it or the file cannot be written.
     """
     path = Path(path)
     try:
+        old = _status(path)
+        through = old is not None and _is_written_through(old)
+        target = Path(os.path.realpath(path))
+        if old is not None and not os.access(path, os.W_OK):
+            raise PermissionError(13, "Permission denied")
         # The suffix is kept: writers such as matplotlib choose their format by it.
         handle, name = tempfile.mkstemp(
-            suffix=path.suffix, prefix=f".{path.stem}-", dir=path.parent
+            suffix=path.suffix,
+            prefix=f".{path.stem[:40]}-",  # a name may be as long as the system allows
+            dir=None if through else target.parent,
         )
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=path) from None
@@ -50,10 +205,13 @@ def write_with(path: str | Path, write: Callable[[Path], None]) -> None:
     temporary = Path(name)
     try:
         write(temporary)
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        temporary.replace(path)
+        if through:
+            _copy_into(path, temporary.read_bytes())
+        else:
+            _take_permissions(temporary, old)
+            temporary.replace(target)
+    except BrokenPipeError:
+        raise  # the reader, such as `head`, has gone; that is no error
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror or error})", file=path) from None
     finally:
@@ -67,3 +225,45 @@ def write_text(path: str | Path, text: str) -> None:
 
 def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8")
+
+
+def _status(path: Path) -> os.stat_result | None:
+    try:
+        return path.stat()
+    except FileNotFoundError:
+        return None
+
+
+def _is_written_through(old: os.stat_result) -> bool:
+    return not (stat.S_ISREG(old.st_mode) or stat.S_ISDIR(old.st_mode)) or _stream(old) is not None
+
+
+def _stream(old: os.stat_result) -> int | None:
+    """The standard stream that is this file, such as ``/dev/stdout`` sent into a file."""
+    for descriptor in (1, 2):
+        with contextlib.suppress(OSError):
+            if os.path.samestat(old, os.fstat(descriptor)):
+                return descriptor
+    return None
+
+
+def _copy_into(path: Path, data: bytes) -> None:
+    stream = _stream(path.stat())
+    for held in (sys.stdout, sys.stderr):
+        if held is not None:
+            held.flush()
+    # Opened anew, a file that is a standard stream would be overwritten from its beginning.
+    with open(path if stream is None else os.dup(stream), "wb") as file:
+        file.write(data)
+
+
+def _take_permissions(temporary: Path, old: os.stat_result | None) -> None:
+    if old is None:
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        return
+    if hasattr(os, "chown"):
+        with contextlib.suppress(OSError):  # only root may give files away
+            os.chown(temporary, old.st_uid, old.st_gid)
+    temporary.chmod(stat.S_IMODE(old.st_mode))

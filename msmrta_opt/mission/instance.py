@@ -29,11 +29,11 @@ from pydantic import (
     model_validator,
 )
 
-from .errors import InputError
-from .files import read_text, write_text
+from .errors import InputError, at, shown
+from .files import write_text
 from .grid import Cell, GridMap
 from .maps import BLOCKED, FREE, grid_from_rows, read_map
-from .validation import at, first_problem
+from .validation import first_problem, read_model
 
 FORMAT: Literal["msmrta-instance/1"] = "msmrta-instance/1"
 
@@ -44,13 +44,13 @@ def _load_map(value: object, info: ValidationInfo) -> GridMap:
     """A map from what the document holds: a path beside the file, or its rows."""
     if isinstance(value, GridMap):
         return value
-    if isinstance(value, str):
+    if isinstance(value, str) and value != "-":  # which would be standard input
         return read_map(Path((info.context or {}).get("folder", ".")) / value)
     if isinstance(value, Mapping) and set(value) == {"rows"}:
         rows = value["rows"]
         if isinstance(rows, (list, tuple)) and all(isinstance(row, str) for row in rows):
             return grid_from_rows(rows)
-    raise ValueError(f'{_short(value)}; give a .map file\'s path or {{"rows": ["..@.", …]}}')
+    raise ValueError(f'{shown(value)}; give a .map file\'s path or {{"rows": ["..@.", …]}}')
 
 
 def _dump_map(grid: GridMap) -> dict[str, list[str]]:
@@ -275,22 +275,17 @@ class Instance(_Record):
         InputError
             Naming the file, the field, the offending value and what would be right.
         """
-        path = Path(path)
-        return cls._validated(read_text(path), file=path, folder=path.parent)
+        return read_model(cls, path, context={"folder": Path(path).parent})
 
     @classmethod
     def from_document(cls, document: Mapping[str, Any], *, file: str | Path = "") -> Instance:
         """An instance from the document that `document` returns (its map held as rows)."""
-        return cls._validated(json.dumps(document), file=file or None, folder=Path())
-
-    @classmethod
-    def _validated(cls, text: str, *, file: str | Path | None, folder: Path) -> Instance:
         try:
-            return cls.model_validate_json(text, strict=True, context={"folder": folder})
+            return cls.model_validate_json(json.dumps(document), strict=True)
         except ValidationError as error:
-            raise first_problem(error).within(file or "") from None
+            raise first_problem(error).within(file) from None
         except InputError as error:
-            raise error.within(file or "") from None
+            raise error.within(file) from None
 
     def document(self) -> dict[str, Any]:
         """The instance as a JSON-ready document that needs no other file."""
@@ -370,8 +365,3 @@ def _refuse_repeats(field: str, values: Sequence[object], rule: str, *, suffix: 
     for i, value in enumerate(values):
         if value in values[:i]:
             raise InputError(f"{value!r} is repeated; {rule}", field=f"{field}[{i}]{suffix}")
-
-
-def _short(value: object, limit: int = 60) -> str:
-    text = repr(value)
-    return text if len(text) <= limit else text[: limit - 1] + "…"

@@ -1,17 +1,20 @@
 """Reading and writing maps in the MovingAI formats (``.map`` grids and ``.scen`` scenarios).
 
-Source: N. Sturtevant, "Benchmarks for grid-based pathfinding" (2012).
+Source: N. Sturtevant, "Benchmarks for grid-based pathfinding" (2012). Of its terrain, ``.`` and ``G``
+are passable, ``S`` is a swamp, which is passable from there; ``@`` and ``O`` are out of bounds, ``T``
+are trees, and ``W`` is water, which nobody enters from land.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from .errors import InputError
+from .errors import InputError, shown
 from .files import read_text, write_text
 from .grid import Cell, GridMap
 
@@ -27,7 +30,7 @@ def grid_from_rows(rows: Sequence[str], *, name: str = "", source: Path | None =
     InputError
         If there is no row, rows differ in length, or a character is neither free nor blocked.
     """
-    if not rows or not rows[0]:
+    if not any(rows):
         raise InputError("the map is empty; give at least one row of one cell", field="rows")
     width = len(rows[0])
     for i, row in enumerate(rows):
@@ -36,13 +39,13 @@ def grid_from_rows(rows: Sequence[str], *, name: str = "", source: Path | None =
                 f"{len(row)} cells where row 0 has {width}; all rows must be equally long",
                 field=f"rows[{i}]",
             )
-        for j, char in enumerate(row):
-            if char not in FREE + BLOCKED:
-                raise InputError(
-                    f"unknown map character {char!r}; free cells are {' '.join(FREE)}"
-                    f" and blocked ones {' '.join(BLOCKED)}",
-                    field=f"rows[{i}][{j}]",
-                )
+        if unknown := set(row).difference(FREE, BLOCKED):
+            j = min(map(row.index, unknown))
+            raise InputError(
+                f"unknown map character {row[j]!r}; free cells are {' '.join(FREE)}"
+                f" and blocked ones {' '.join(BLOCKED)}",
+                field=f"rows[{i}][{j}]",
+            )
     free = np.array([[char in FREE for char in row] for row in rows], dtype=bool)
     return GridMap(free, name=name, source=source)
 
@@ -56,25 +59,44 @@ def read_map(path: str | Path) -> GridMap:
         If the file is missing, its header is wrong, or its grid does not match the header.
     """
     path = Path(path)
-    lines = read_text(path).splitlines()
+    lines = [line.rstrip() for line in read_text(path).rstrip().split("\n")]
     try:
-        at = lines.index("map")
-    except ValueError:
-        raise InputError("no line 'map' before the grid", field="header", file=path) from None
-    header = dict(line.split(maxsplit=1) for line in lines[:at] if len(line.split()) > 1)
-    rows = lines[at + 1 :]
-    while rows and not rows[-1].strip():
-        rows.pop()
-    try:
-        grid = grid_from_rows(rows, name=path.stem, source=path)
+        header, first = _header(lines)
+        grid = grid_from_rows(lines[first:], name=path.stem, source=path)
+        for (key, (line, given)), actual in zip(header.items(), grid.shape, strict=True):
+            if given != actual:
+                raise InputError(
+                    f"{key} {given}, where the grid below has {actual}; correct either",
+                    field=f"line {line}",
+                )
     except InputError as error:
         raise error.within(path) from None
-    for key, actual in zip(("height", "width"), grid.shape, strict=True):
-        if header.get(key, "").strip() != str(actual):
-            raise InputError(
-                f"{header.get(key, 'missing')!r} where the grid has {actual}", field=key, file=path
-            )
     return grid
+
+
+def _header(lines: Sequence[str]) -> tuple[dict[str, tuple[int, int]], int]:
+    """Height and width, each with the number of its line, and the index of the first row."""
+    found: dict[str, tuple[int, int]] = {}
+    for number, line in enumerate(lines, start=1):
+        key, *values = line.lower().split() or [""]
+        if key == "map" and not values:
+            for name in ("height", "width"):
+                if name not in found:
+                    raise InputError("is missing; give it above the line 'map'", field=name)
+            return {name: found[name] for name in ("height", "width")}, number
+        if key in ("height", "width"):
+            if key in found:
+                raise InputError(f"a second {key}; give one", field=f"line {number}")
+            if len(values) != 1 or not re.fullmatch(r"[0-9]{1,9}", values[0]):
+                raise InputError(
+                    f"{shown(line)}; give {key} and a whole number", field=f"line {number}"
+                )
+            found[key] = number, int(values[0])
+    raise InputError(
+        f"no line 'map' before the grid; the header is type, height, width, map, and begins "
+        f"{shown(lines[0])}",
+        field="header",
+    )
 
 
 def write_map(grid: GridMap, path: str | Path) -> None:
@@ -96,7 +118,7 @@ class Query:
 def read_scenario(path: str | Path) -> list[Query]:
     """Read a ``.scen`` file (its columns are x then y; here cells are ``(row, col)``)."""
     queries = []
-    for number, line in enumerate(read_text(path).splitlines(), start=1):
+    for number, line in enumerate(read_text(path).split("\n"), start=1):
         parts = line.split()
         if not parts or parts[0] == "version":
             continue

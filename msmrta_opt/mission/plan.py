@@ -12,15 +12,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt
 
-from .errors import InputError
-from .files import read_text, write_text
+from .files import write_text
 from .grid import Cell
 from .instance import CellField, Instance
 from .metrics import Metrics, metrics
 from .proof import LatencyProof, RootProof
-from .validation import first_problem
+from .validation import read_model
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -243,12 +242,7 @@ class Plan(_Record):
         InputError
             Naming the file, the field, the offending value and what would be right.
         """
-        try:
-            return cls.model_validate_json(read_text(path), strict=True)
-        except ValidationError as error:
-            raise first_problem(error).within(path) from None
-        except InputError as error:
-            raise error.within(path) from None
+        return read_model(cls, path)
 
     def same_as(self, other: Plan) -> bool:
         """Whether both plans are the same but for the time that planning took."""

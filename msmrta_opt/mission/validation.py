@@ -1,13 +1,16 @@
-"""One clear line out of pydantic's validation errors."""
+"""Documents read into pydantic's models, with one clear line for what is wrong."""
 
 from __future__ import annotations
 
-import json
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
-from .errors import InputError
+from .errors import InputError, at, shown
+from .files import parse_json, read_text
+
+Model = TypeVar("Model", bound=BaseModel)
 
 _WHOLE = "give a whole number"
 _NUMBER = "give a finite number"
@@ -35,17 +38,22 @@ _RIGHT = {
 """What would be right, by pydantic's type of error; filled in from the error's context."""
 
 
-def at(*parts: str | int) -> str:
-    """A path into a document: ``at("robots", 2, "speed")`` is ``robots[2].speed``."""
-    path = ""
-    for part in parts:
-        if isinstance(part, int):
-            path += f"[{part}]"
-        else:
-            # Names come from the document, and must not break the line they are printed on.
-            name = part if part.isprintable() else repr(part)
-            path += f".{name}" if path else name
-    return path
+def read_model(model: type[Model], path: str | Path, context: Any = None) -> Model:
+    """The `model` in a JSON file.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the field, the offending value and what would be right.
+    """
+    try:
+        text = read_text(path)
+        parse_json(text)
+        return model.model_validate_json(text, strict=True, context=context)
+    except ValidationError as error:
+        raise first_problem(error).within(path) from None
+    except InputError as error:
+        raise error.within(path) from None
 
 
 def first_problem(error: ValidationError) -> InputError:
@@ -54,8 +62,6 @@ def first_problem(error: ValidationError) -> InputError:
     kind, loc, context = found["type"], found["loc"], found.get("ctx", {})
     field = at(*loc)
     cause = context.get("error")
-    if kind == "json_invalid":
-        return InputError(f"broken JSON: {cause}")
     if isinstance(cause, InputError):
         return _said_of(field, cause)
     if kind == "value_error":
@@ -66,7 +72,7 @@ def first_problem(error: ValidationError) -> InputError:
         field = at(*loc[:-1])
     plain = found["msg"][:1].lower() + found["msg"][1:]
     right = _RIGHT[kind].format(**context) if kind in _RIGHT else plain
-    return InputError(f"{_shown(found['input'])}; {right}", field=field)
+    return InputError(f"{shown(found['input'])}; {right}", field=field)
 
 
 def _said_of(field: str, cause: InputError) -> InputError:
@@ -76,13 +82,3 @@ def _said_of(field: str, cause: InputError) -> InputError:
         return InputError(str(cause), field=field)
     dot = "." if field and cause.field and not cause.field.startswith("[") else ""
     return InputError(cause.problem, field=field + dot + cause.field)
-
-
-def _shown(value: Any, limit: int = 60) -> str:
-    """`value` as its document has it, on one line of at most `limit` characters."""
-    try:
-        text = repr(value) if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
-    except (TypeError, ValueError):
-        text = repr(value)
-    text = text if text.isprintable() else repr(text)[1:-1]
-    return text if len(text) <= limit else text[: limit - 1] + "…"

@@ -6,7 +6,6 @@ Everywhere, a list of values is an axis: all combinations are run.
 from __future__ import annotations
 
 import glob
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -24,7 +23,7 @@ from pydantic import (
 )
 
 from ..mission.errors import InputError
-from ..mission.files import read_text
+from ..mission.files import read_toml
 from ..mission.validation import first_problem
 
 Scalar = bool | int | float | str
@@ -181,11 +180,7 @@ class Study(_Table):
         InputError
             Naming the file, the field, the offending value and what would be right.
         """
-        text = read_text(path)
-        try:
-            document = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f"broken TOML: {error}", file=path) from None
+        document = read_toml(path)
         if "path" in document:
             raise InputError(
                 "there is no such field; correct its name or remove it", field="path", file=path

@@ -22,10 +22,10 @@ READERS: dict[str, Callable[[Path], object]] = {
 TABLE: dict[str, tuple[str, str, str]] = {
     # file: (field, offending value, what would be right)
     # Files as such
-    "broken_json.json": ("", "line 7 column 41", "expected `,` or `}`"),
+    "broken_json.json": ("", "line 7 column 41", "Expecting ','"),
     "empty_file.json": ("", "broken JSON", "line 1"),
     "not_utf8.json": ("", "invalid", "UTF-8 text file"),
-    "folder.json": ("", "cannot be read", ""),
+    "folder.json": ("", "a folder", "give a regular file"),
     # Types
     "list_for_instance.json": ("", '[{"id": 0}]', "give an object"),
     "list_for_object.json": ("service_time", "[2, 3]", "give an object"),
@@ -94,12 +94,12 @@ TABLE: dict[str, tuple[str, str, str]] = {
     "unknown_map_character.json": ("map.rows[1][1]", "'#'", "free cells are . G S"),
     # Map files that an instance names
     "missing_map_file.json": ("map", "nowhere.map", "no such file"),
-    "broken_map_file.json": ("map", "wrong_height.map: height: '3'", "the grid has 2"),
+    "broken_map_file.json": ("map", "wrong_height.map: line 2: height 3", "the grid below has 2"),
     # Map files
     "no_map_line.map": ("header", "no line 'map'", "before the grid"),
-    "no_height.map": ("height", "missing", "the grid has 2"),
-    "wrong_height.map": ("height", "'3'", "the grid has 2"),
-    "wrong_width.map": ("width", "'4'", "the grid has 3"),
+    "no_height.map": ("height", "missing", "give it above the line 'map'"),
+    "wrong_height.map": ("line 2", "height 3", "the grid below has 2"),
+    "wrong_width.map": ("line 3", "width 4", "the grid below has 3"),
     "no_grid.map": ("rows", "empty", "at least one row"),
     "ragged.map": ("rows[1]", "2 cells where row 0 has 3", "equally long"),
     "unknown_character.map": ("rows[1][1]", "'#'", "blocked ones @ O T W"),

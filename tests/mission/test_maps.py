@@ -59,6 +59,10 @@ def test_a_map_is_called_as_its_file_and_knows_where_it_lies() -> None:
         "height 2\nwidth 3\ntype octile\n\nmap\n..@\n...\n",
         "height  2 \nwidth\t3\nmap\n..@\n...\n",
         "type octile\ndraft\nmade by hand\nheight 2\nwidth 3\nmap\n..@\n...\n",
+        "type octile\nheight 2\nwidth 3\nmap \n..@\n...\n",
+        "TYPE OCTILE\nHEIGHT 2\nWidth 3\nMAP\n..@\n...\n",
+        "type octile\nheight 2\nwidth 3\nmap\n..@ \n...\t\n \n",
+        "\ufefftype octile\rheight 2\rwidth 3\rmap\r..@\r...\r",
     ],
     ids=[
         "windows",
@@ -67,6 +71,10 @@ def test_a_map_is_called_as_its_file_and_knows_where_it_lies() -> None:
         "other header order",
         "spacing",
         "remarks",
+        "blank behind map",
+        "upper case",
+        "blanks behind rows",
+        "byte order mark and old line ends",
     ],
 )
 def test_variants_of_the_format_are_read(tmp_path: Path, text: str) -> None:
@@ -105,6 +113,40 @@ def test_the_first_wrong_row_and_character_are_named() -> None:
 def test_a_map_whose_folder_does_not_exist_is_not_written(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"ground\.map: cannot be written"):
         write_map(grid_from_rows(["."]), tmp_path / "nowhere" / "ground.map")
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "problem"),
+    [
+        ("height 1\nwidth 1\nmaps\n.\n", "header", "no line 'map' before the grid"),
+        ("height 1\nwidth 1\nmap .\n", "header", "no line 'map' before the grid"),
+        ("P1\n1 1\n0\n", "header", "and begins 'P1'"),
+        ("", "header", "and begins ''"),
+        ("heigth 1\nwidth 1\nmap\n.\n", "height", "is missing; give it above the line 'map'"),
+        ("height 1\nmap\n.\nwidth 1\n", "width", "is missing"),
+        ("height one\nwidth 1\nmap\n.\n", "line 1", "'height one'; give height and a whole"),
+        ("height 1\nwidth\nmap\n.\n", "line 2", "'width'; give width and a whole number"),
+        ("height -1\nwidth 1\nmap\n.\n", "line 1", "give height and a whole number"),
+        ("height 1 1\nwidth 1\nmap\n.\n", "line 1", "give height and a whole number"),
+        ("height ١\nwidth 1\nmap\n.\n", "line 1", "give height and a whole number"),
+        ("height " + "1" * 5000 + "\nwidth 1\nmap\n.\n", "line 1", "give height and a whole"),
+        ("height 1\nheight 2\nwidth 1\nmap\n.\n", "line 2", "a second height; give one"),
+        ("height 1\nwidth 1\nmap\n.\n.\n", "line 1", "height 1, where the grid below has 2"),
+        ("height 2\nwidth 1\nmap\n\n.\n", "rows[1]", "1 cells where row 0 has 0"),
+        ("height 1\nwidth 2\nmap\n .\n", "rows[0][0]", "unknown map character ' '"),
+        ("height 1\nwidth 1\nmap\n\x0c.\n", "rows[0][0]", "unknown map character '\\x0c'"),
+    ],
+)
+def test_a_wrong_line_is_named_as_it_stands_there(
+    text: str, field: str, problem: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "ground.map"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read_map(path)
+    assert str(caught.value).isprintable()
+    assert (caught.value.file, caught.value.field) == (str(path), field)
+    assert problem in caught.value.problem
 
 
 # Scenarios

@@ -9,7 +9,7 @@ from pathlib import Path
 from pydantic import TypeAdapter, ValidationError
 
 from ...mission.errors import InputError
-from ...mission.files import read_text, write_text
+from ...mission.files import read_json, write_text
 from ..rows import TOLERANCE, Row, as_documents
 
 FORMAT = "msmrta-comparison/1"
@@ -31,10 +31,7 @@ def read_baseline(path: str | Path) -> list[Row]:
     InputError
         If the file is not a baseline.
     """
-    try:
-        document = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(f"broken JSON: {error}", file=path) from None
+    document = read_json(path)
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise InputError(f"not a comparison; its format should be {FORMAT!r}", file=path)
     try:
