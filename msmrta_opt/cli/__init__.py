@@ -1,19 +1,27 @@
 """The command line ``msmrta``.
 
-Bad input gets one line on standard error and exit status 2; an answer that fails its check, or that
-does not exist, gets exit status 1; Ctrl-C gets 130. Each group of commands is a file; what a command
-needs is imported when it runs.
+Exit statuses, of every command:
+
+- 0: done, also where a reader of the output left early, or where Ctrl-C or a limit ended a search with
+  the best that it had found.
+- 1: a plan, a solution or a comparison that fails its check, or that there is none of.
+- 2: bad input, or output that cannot be written; one line on standard error says which.
+- 130, 143: Ctrl-C or SIGTERM came before what was asked for was whole; what there was is written and
+  shown. A second one ends the process at once.
+
+Each group of commands is a file; what a command needs is imported when it runs.
 """
 
 from __future__ import annotations
 
-import os
 import sys
 
 import typer
 
+from .. import interruption
 from ..mission.errors import CheckError, MsmrtaError
 from . import compare, exact, generate, missions, models, plans, programs, study, tradeoff
+from .screen import open_closed_descriptors, screens
 
 app = typer.Typer(
     name="msmrta",
@@ -29,17 +37,26 @@ for group in (missions, generate, exact, plans, models, programs, compare, trade
 
 def main() -> None:
     """Run the command line and exit."""
+    open_closed_descriptors()
     sys.exit(run(sys.argv[1:]))
 
 
 def run(arguments: list[str]) -> int:
     """Run one command; returns its exit status."""
+    with interruption.command(), screens() as (out, _):
+        status = _run(arguments)
+        out.flush()
+        if out.failure is not None:
+            status = status or _complain(f"standard output: {out.failure.strerror}", 2)
+        return status
+
+
+def _run(arguments: list[str]) -> int:
     if not arguments:
-        run(["--help"])
+        _run(["--help"])
         return 2
     try:
         status = app(arguments, prog_name="msmrta", standalone_mode=False)
-        sys.stdout.flush()
     except MsmrtaError as error:
         return _complain(error, 1 if isinstance(error, CheckError) else 2)
     except typer.TyperException as error:
@@ -48,11 +65,7 @@ def run(arguments: list[str]) -> int:
         return _complain(message, getattr(error, "exit_code", 2))
     except (KeyboardInterrupt, typer.Abort):
         print("interrupted", file=sys.stderr)
-        return 130
-    except BrokenPipeError:
-        # The reader, such as `head`, has gone; nothing is left to say, also not at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        return interruption.exit_status()
     except OSError as error:
         # A full disk, a name too long: the system's own words, which name the file.
         return _complain(error, 2)

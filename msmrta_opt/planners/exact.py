@@ -9,17 +9,14 @@ the best plan and what is proven about it.
 from __future__ import annotations
 
 import math
-import signal
-import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from ..certify.bound import STAGE as STAGE_OF_BOUNDS
+from ..interruption import interrupted, interruptible
 from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import BEYOND_ENDURANCE, Certificate, Plan, Route, Unserved
@@ -113,11 +110,9 @@ def run(
             return_to_start=return_to_start,
         )
     # Until it is returned: a plan that is worked out is not lost to a late Ctrl-C.
-    with _interruptible() as interrupted:
+    with interruptible():
         with watch("joint problem"):
-            routes, bound = _solve(
-                situation, data, objective, time_limit, gap, seed, report, interrupted
-            )
+            routes, bound = _solve(situation, data, objective, time_limit, gap, seed, report)
         with watch("path planning"):
             legs = path_planning(known, stops_of(situation, routes, STAGE))
             if return_to_start:
@@ -155,7 +150,6 @@ def _solve(
     gap: float,
     seed: int,
     report: Report | None,
-    interrupted: Callable[[], bool],
 ) -> tuple[Routes, Bound]:
     began = time.monotonic()
 
@@ -279,24 +273,6 @@ def _certificate(
         root=root_proof(known, bound, worth),
         pricing=None if bound.latency is None else latency_proof(known, data, bound.latency, worth),
     )
-
-
-@contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Whether Ctrl-C was pressed since; it then no longer raises, so that the best plan is kept."""
-    pressed = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield pressed.is_set
-        return
-
-    def press(*_: Any) -> None:
-        pressed.set()
-
-    before = signal.signal(signal.SIGINT, press)
-    try:
-        yield pressed.is_set
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 PLANNER = Planner("exact", "the joint problem, with a proven bound", run)

@@ -1,0 +1,99 @@
+"""Ctrl-C and SIGTERM as an event that long work looks at, so that it ends with the best there is.
+
+Work that can end early opens `interruptible` and asks `interrupted` now and then; it is then not cut
+off by `KeyboardInterrupt`, but returns what it has. Within a `command` the event stays set to its end,
+so that everything that comes after ends early, too, and what was found is still written.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+@dataclass
+class _State:
+    """What this process does about signals now."""
+
+    asked: threading.Event = field(default_factory=threading.Event)
+    signal: int = signal.SIGINT
+    in_command: bool = False
+    is_heeded: bool = False
+
+
+_now = _State()
+
+
+def interrupted() -> bool:
+    """Whether the user has asked to end: to be looked at by whatever takes long."""
+    return _now.asked.is_set()
+
+
+def exit_status() -> int:
+    """128 and the number of the signal that came, as shells have it: 130 for Ctrl-C, 143 for SIGTERM."""
+    return 128 + _now.signal
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Within it the first Ctrl-C makes `interrupted` true instead of raising `KeyboardInterrupt`.
+
+    For work that looks at `interrupted` and ends with the best it has. Outside the main thread, where
+    Python takes no signals, and within another such block it changes nothing.
+    """
+    if not _in_main_thread() or _now.is_heeded:
+        yield
+        return
+    _now.is_heeded = True
+    if _now.in_command:  # which restores it
+        yield
+        return
+    before = signal.signal(signal.SIGINT, _on_signal)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        _now.is_heeded = False
+        _now.asked.clear()
+
+
+@contextmanager
+def command() -> Iterator[None]:
+    """Within it SIGTERM is a Ctrl-C, and from the first `interruptible` on both only set the event."""
+    if not _in_main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, _on_signal) for number in SIGNALS}
+    _now.in_command = True
+    _now.signal = signal.SIGINT
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        _now.in_command = _now.is_heeded = False
+        _now.asked.clear()
+
+
+def _in_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()
+
+
+def _on_signal(number: int, _: Any) -> None:
+    _now.signal = number
+    if not _now.is_heeded or _now.asked.is_set():
+        raise KeyboardInterrupt
+    _now.asked.set()
+    if _now.in_command:
+        # The next one ends the process even where no Python runs; files are written whole or not at all.
+        for other in SIGNALS:
+            signal.signal(other, signal.SIG_DFL)
+        with suppress(OSError):
+            os.write(2, b"interrupted: ending with what there is; once more ends at once\n")
