@@ -26,10 +26,10 @@ from pathlib import Path
 from typing import cast
 
 import msmrta_opt as mo
+from msmrta_opt.isolation import Failure, Limits, run_isolated
 from msmrta_opt.planners.support.improvement import OBJECTIVES
 from msmrta_opt.routing.bound import gap
 from msmrta_opt.routing.problem import Objective, Routes
-from msmrta_opt.studies.isolate import Failure, run_isolated
 
 INSTANCES = Path(__file__).parents[1] / "instances"
 MAPS = (0, 2, 3)
@@ -232,7 +232,7 @@ def main() -> None:
         follow,
         todo,
         jobs=arguments.jobs,
-        time_limit=arguments.seconds + GRACE,
+        limits=Limits(arguments.seconds + GRACE),
         preload=["msmrta_opt.planners.exact", "exact"],
     )
     for index, run in results:

@@ -29,13 +29,13 @@ from typing import Any
 import msmrta_opt as mo
 from msmrta_opt.certify.bound import recheck
 from msmrta_opt.certify.plan import problems
+from msmrta_opt.isolation import Failure, run_isolated
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import planners
 from msmrta_opt.planners.support.improvement import OBJECTIVES, improve_plan
 from msmrta_opt.routing.problem import Objective, Routes
-from msmrta_opt.studies.isolate import Failure, run_isolated
 
 MAPS = Path(__file__).parents[1] / "instances" / "maps"
 SPEEDS = ((0.2, 0.3, 0.4), (1.0,), (0.31, 0.7, 1.3), (1 / 3, 0.7))

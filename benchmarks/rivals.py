@@ -34,12 +34,12 @@ import numpy as np
 from exact import mission
 from numpy.typing import NDArray
 
+from msmrta_opt.isolation import Failure, Limits, run_isolated
 from msmrta_opt.routing.bound import gap
 from msmrta_opt.routing.objective_step import granularity
 from msmrta_opt.routing.problem import Routes, RoutingData, faults, value
 from msmrta_opt.stages.joint_routing import routing_data
 from msmrta_opt.stages.situation import Situation
-from msmrta_opt.studies.isolate import Failure, run_isolated
 
 Ints = NDArray[np.int64]
 
@@ -379,7 +379,7 @@ def main() -> None:
         numbers = range(arguments.missions)
         calls = [(name, size, number, arguments.seconds) for number in numbers for name in names]
         runs: list[dict[str, Judged]] = [{} for _ in numbers]
-        results = run_isolated(answer, calls, time_limit=arguments.seconds + GRACE)
+        results = run_isolated(answer, calls, limits=Limits(arguments.seconds + GRACE))
         for index, given in results:
             name, _, number, _ = calls[index]
             runs[number][name] = one = judged(problem(size, number), given)

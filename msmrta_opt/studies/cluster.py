@@ -12,8 +12,8 @@ from importlib.util import find_spec
 from itertools import islice
 from typing import Any
 
+from ..isolation import Failure, Limits, run_alone
 from ..mission.errors import InputError
-from .isolate import Failure, Limits, run_alone
 from .perform import perform
 from .runner import PRELOAD, Execute, limits_of
 from .runs import Run

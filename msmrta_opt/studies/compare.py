@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..isolation import Failure, Limits, run_isolated
 from ..mission.errors import InputError, MsmrtaError
 from ..mission.instance import Instance
 from ..optimise import registry, solvers
@@ -23,7 +24,6 @@ from ..optimise.solve import AUTO, solve
 from ..optimise.solvers import Options
 from ..stages.data import STAGES, stage_data
 from ..stages.options import StagedOptions
-from .isolate import Failure, run_isolated
 from .rows import Row, frame
 
 if TYPE_CHECKING:
@@ -142,8 +142,7 @@ def compare(
         solve_case,
         [(case,) for case in todo],
         jobs=jobs,
-        time_limit=deadline,
-        memory_limit=memory_limit,
+        limits=Limits(deadline, memory_limit),
         preload=("msmrta_opt.studies.compare", *_modules_of(case.solver for case in todo)),
     )
     with closing(results):

@@ -14,6 +14,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from ..certify.bound import STAGE as STAGE_OF_BOUNDS
+from ..isolation import Failure
 from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import Plan
@@ -21,7 +22,6 @@ from ..optimise import registry
 from ..planners import plan
 from ..planners.support.planner import versions
 from .compare import Case, solve_case
-from .isolate import Failure
 from .record import FINISHED, Record
 from .runs import Planning, Run
 

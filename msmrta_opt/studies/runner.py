@@ -11,8 +11,8 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import closing
 from typing import Any
 
+from ..isolation import Failure, Limits, run_isolated
 from .compare import LIBRARIES
-from .isolate import Failure, Limits, run_isolated
 from .ledger import Ledger
 from .perform import failed, perform
 from .record import Record
@@ -104,7 +104,6 @@ def locally(study: Study, *, jobs: int = 1) -> Execute:
     """Do runs on this machine, `jobs` at a time."""
 
     def execute(todo: Iterable[Run]) -> Generator[tuple[Run, Any], None, None]:
-        limits = limits_of(study)
         begun: dict[int, Run] = {}
 
         def calls() -> Iterator[tuple[Run]]:
@@ -116,8 +115,7 @@ def locally(study: Study, *, jobs: int = 1) -> Execute:
             perform,
             calls(),
             jobs=jobs,
-            time_limit=limits.time,
-            memory_limit=limits.memory,
+            limits=limits_of(study),
             preload=PRELOAD,
         )
         with closing(results):

@@ -420,9 +420,9 @@ def test_threads_do_not_change_the_optimum(solver: Solver, threads: int) -> None
 @pytest.fixture
 def fresh_process() -> Iterator[None]:
     """A child process that writes to the standard error of now."""
-    apart._end()
+    apart.end()
     yield
-    apart._end()
+    apart.end()
 
 
 @able("verbose")
@@ -579,7 +579,7 @@ def test_the_assignment_algorithm_takes_assignments_and_nothing_else() -> None:
 
 
 def test_a_solver_whose_process_dies_is_an_error_and_the_next_request_is_answered() -> None:
-    with pytest.raises(SolverError, match="process died with exit status 3"):
+    with pytest.raises(SolverError, match="process ended with exit status 3"):
         apart.run_apart(exec, "import os; os._exit(3)", {})  # type: ignore[arg-type]
     assert_solved_right(solve(get("glpk"), KNOWN["general integers"].asked), 20)
 

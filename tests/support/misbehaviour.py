@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import sys
@@ -9,8 +10,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-MOST_MEBIBYTES = 1500
-"""Where the memory eaters stop, should nobody stop them."""
+from msmrta_opt.mission.files import write_text
+
+EATEN_MEBIBYTES = 600
+"""What a memory eater takes before it waits to be stopped."""
 
 
 def double(number: int) -> int:
@@ -32,22 +35,26 @@ def do(what: str, number: int = 0) -> object:
     return wrong[what]() if what in wrong else double(number)
 
 
-def eat() -> int:
-    """Take ever more memory, 50 MiB at a time."""
-    eaten = []
-    while len(eaten) * 50 < MOST_MEBIBYTES:
-        eaten.append(b"x" * (50 * 2**20))
-        time.sleep(0.05)
-    return len(eaten)
+def eat() -> None:
+    """Take much memory, and keep it."""
+    eaten = b"x" * (EATEN_MEBIBYTES * 2**20)
+    time.sleep(600)
+    del eaten
 
 
 def note_or_wait(what: str, path: str) -> None:
     """Write this process's id to `path` and hang; or wait until another has done so."""
     if what == "note":
-        Path(path).write_text(str(os.getpid()))
+        write_text(path, str(os.getpid()))  # at once or not at all, so that nobody reads half of it
         time.sleep(600)
-    while not (Path(path).exists() and Path(path).read_text()):
+    while not Path(path).exists():
         time.sleep(0.02)
+
+
+def hold(path: str) -> None:
+    """Write this process's id to `path`, and wait in a library that lets no Python run meanwhile."""
+    write_text(path, str(os.getpid()))
+    ctypes.PyDLL(None).sleep(600)
 
 
 HEAD = '''"""A program for tests."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...isolation import Failure, Limits, run_isolated
 from ...mission.errors import InputError, MsmrtaError
 from ...mission.instance import Instance
 from ...mission.plan import Plan
@@ -22,7 +23,6 @@ from ...stages.data import stage_data
 from ...stages.options import StagedOptions
 from ...stages.requirement_analysis import requirement_analysis
 from ...stages.situation import Situation
-from ..isolate import Failure, run_isolated
 
 STAGES = {"clustering": "clustering_model", "cluster": "cluster_model", "victim": "victim_model"}
 """Stages of the staged planner, and the option that names their formulation."""
@@ -119,8 +119,7 @@ def scores(
     results = run_isolated(
         _score_isolated,
         calls,
-        time_limit=time_limit,
-        memory_limit=memory_limit,
+        limits=Limits(time_limit, memory_limit),
         preload=("msmrta_opt.studies.analysis.score",),
     )
     for index, result in sorted(results, key=lambda item: item[0]):
