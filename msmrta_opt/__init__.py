@@ -10,73 +10,12 @@ Public names are loaded on first use, so that importing the package costs nothin
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING, Any
 
 from ._version import __version__ as __version__
+from .public import HOME, MODULES, load
 
-_HOME = {
-    "Instance": "mission.instance",
-    "Robot": "mission.instance",
-    "Victim": "mission.instance",
-    "Scout": "mission.instance",
-    "json_schema": "mission.instance",
-    "GridMap": "mission.grid",
-    "DistanceTable": "mission.grid",
-    "read_map": "mission.maps",
-    "Plan": "mission.plan",
-    "Metrics": "mission.metrics",
-    "check_plan": "certify.plan",
-    "random_mission": "mission.generate",
-    "generate_mission": "mission.generate",
-    "rooms": "mission.layouts",
-    "rubble": "mission.layouts",
-    "maze": "mission.layouts",
-    "with_pocket": "mission.layouts",
-    "MsmrtaError": "mission.errors",
-    "InputError": "mission.errors",
-    "ModelError": "mission.errors",
-    "SolverError": "mission.errors",
-    "CheckError": "mission.errors",
-    "Spec": "optimise.formulation",
-    "Parameter": "optimise.formulation",
-    "ClusterData": "optimise.data",
-    "ClusteringData": "optimise.data",
-    "JointAssignmentData": "optimise.data",
-    "VictimData": "optimise.data",
-    "Solution": "optimise.solution",
-    "solve": "optimise.solve",
-    "model": "optimise.registry:get",
-    "models": "optimise.registry",
-    "add_models": "optimise.registry",
-    "remove_models": "optimise.registry",
-    "copy_model": "optimise.registry",
-    "program": "optimise.matrix",
-    "structure": "optimise.matrix",
-    "export": "optimise.export",
-    "read_program": "optimise.export",
-    "write_program": "optimise.export",
-    "explain": "optimise.explain",
-    "Explanation": "optimise.explain",
-    "compare": "studies.compare:comparison",
-    "disagreements": "studies.rows",
-    "performance_profile": "studies.analysis.pictures",
-    "score": "studies.analysis.score",
-    "price_of_staging": "studies.analysis.staging",
-    "staging_losses": "studies.analysis.pictures",
-    "tradeoff": "studies.analysis.tradeoff",
-    "tradeoff_regions": "studies.analysis.tradeoff",
-    "stage_data": "stages.data",
-    "StagedOptions": "stages.options",
-    "reload_models": "optimise.registry",
-    "plan": "planners",
-    "planners": "planners",
-    "mip_start": "planners.support.mip_start",
-    "scouting": "stages.scouting",
-}
-_MODULES = {"algorithm": "stages.algorithm", "plots": "plots"}
-
-__all__ = ["__version__", "read", *_HOME, *_MODULES]
+__all__ = ["__version__", "read", *HOME, *MODULES]
 
 if TYPE_CHECKING:
     from . import plots as plots
@@ -148,13 +87,9 @@ def read(path: str) -> Instance:
 
 
 def __getattr__(name: str) -> Any:
-    if name in _MODULES:
-        return importlib.import_module(f".{_MODULES[name]}", __name__)
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, _, attribute = _HOME[name].partition(":")
-    value = getattr(importlib.import_module(f".{module}", __name__), attribute or name)
-    globals()[name] = value
+    value = load(name)
+    if name not in MODULES:
+        globals()[name] = value
     return value
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt
 
+from ..public import load
 from .files import write_text
 from .grid import Cell
 from .instance import CellField, Instance
@@ -221,9 +222,8 @@ class Plan(_Record):
 
     def plot(self, **options: Any) -> Figure:
         """Draw the plan: the three panels of the paper's Fig. 2; see `plots.plot_mission`."""
-        from .. import plots
-
-        return plots.plot_mission(self, **options)
+        figure: Figure = load("plots").plot_mission(self, **options)
+        return figure
 
     def document(self) -> dict[str, Any]:
         """The plan as a JSON-ready document."""
