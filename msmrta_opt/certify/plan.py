@@ -14,13 +14,7 @@ from numbers import Real
 from ..mission.errors import CheckError
 from ..mission.grid import Cell
 from ..mission.instance import Instance
-from ..mission.plan import (
-    BEYOND_ENDURANCE,
-    NO_CAPABLE_ROBOT_REACHES_IT,
-    NO_ROBOT_HAS_IT,
-    NOT_FOUND,
-    Plan,
-)
+from ..mission.plan import Plan, Reason
 from .joint_problem import servable
 
 TOLERANCE = 1e-6
@@ -191,9 +185,8 @@ def _services(plan: Plan) -> list[str]:
                     wrong.append(f"victim {visit.victim} is served {kind} without needing it")
     listed = Counter((item.victim, item.kind) for item in plan.unserved)
     reason = {(item.victim, item.kind): item.reason for item in plan.unserved}
-    within = (
-        {(v, k) for _, v, k in servable(plan)} if BEYOND_ENDURANCE in reason.values() else set()
-    )
+    is_limited = any(said.limits for said in reason.values())
+    within = {(v, k) for _, v, k in servable(plan)} if is_limited else set()
     for victim in instance.victims:
         for kind in victim.requirements:
             need = (victim.id, kind)
@@ -203,30 +196,33 @@ def _services(plan: Plan) -> list[str]:
             capable = [robot for robot in instance.robots if kind in robot.capabilities]
             reaching = [r for r in capable if component[r.start] == component[victim.cell]]
             true = (
-                NOT_FOUND
+                Reason.NOT_FOUND
                 if victim.id in hidden
-                else NO_ROBOT_HAS_IT
+                else Reason.NO_ROBOT_HAS_IT
                 if not capable
-                else NO_CAPABLE_ROBOT_REACHES_IT
+                else Reason.NO_CAPABLE_ROBOT_REACHES_IT
                 if not reaching
                 else None
             )
             if listed[need]:
                 said = reason[need]
-                if said == BEYOND_ENDURANCE and true is None and _limited(plan):
+                if true is None and _is_under(plan, said):
                     if need in within:
                         wrong.append(f"{what} is unserved, but is within some robot's limits")
                     continue
                 if said != true:
                     wrong.append(
-                        f"{what} is unserved for {said!r}; in truth: {true or 'available'}"
+                        f"{what} is unserved for {str(said)!r}; in truth: {true or 'available'}"
                     )
     return wrong
 
 
-def _limited(plan: Plan) -> bool:
-    """Whether the plan was made under a limit that can leave an available requirement open."""
-    return any(plan.limits.get(name) is not None for name in ("endurance", "longest_walk"))
+def _is_under(plan: Plan, reason: Reason) -> bool:
+    """Whether the plan was made under the limits for which it says that a requirement stays open."""
+    given = {name for name in ("endurance", "longest_walk") if plan.limits.get(name) is not None}
+    if reason is Reason.BEYOND_ENDURANCE:  # in the files of before, of either limit
+        return bool(given)
+    return bool(reason.limits) and given.issuperset(reason.limits)
 
 
 def _components(instance: Instance) -> dict[Cell, int]:

@@ -67,8 +67,8 @@ def metrics(plan: Plan) -> Metrics:
             finished[route.robot] = route.visits[-1].departure + home
     n_requirements = sum(len(victim.requirements) for victim in instance.victims)
     n_served = sum(len(kinds) for kinds in served.values())
-    beyond_reach = [item for item in plan.unserved if "endurance" not in item.reason]
-    n_available = n_requirements - len(beyond_reach)
+    out_of_reach = [item for item in plan.unserved if not item.reason.limits]
+    n_available = n_requirements - len(out_of_reach)
     weight = {v.id: v.priority for v in instance.victims if v.id in completion}
     latency = float(sum(weight[v] * completion[v] for v in completion))
     total_weight = sum(weight.values())

@@ -8,6 +8,7 @@ Robots and victims are named by their ids.
 from __future__ import annotations
 
 import json
+from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -27,16 +28,26 @@ if TYPE_CHECKING:
 
 FORMAT: Literal["msmrta-plan/1"] = "msmrta-plan/1"
 
-Reason = Literal[
-    "no robot has it",
-    "no capable robot can reach it",
-    "not found by the scouts",
-    "beyond the robots' endurance",
-]
-NO_ROBOT_HAS_IT: Reason = "no robot has it"
-NO_CAPABLE_ROBOT_REACHES_IT: Reason = "no capable robot can reach it"
-NOT_FOUND: Reason = "not found by the scouts"
-BEYOND_ENDURANCE: Reason = "beyond the robots' endurance"
+
+class Reason(StrEnum):
+    """Why a requirement stays unserved: nobody can serve it, or nobody within the robots' limits."""
+
+    NO_ROBOT_HAS_IT = "no robot has it"
+    NO_CAPABLE_ROBOT_REACHES_IT = "no capable robot can reach it"
+    NOT_FOUND = "not found by the scouts"
+    BEYOND_ENDURANCE = "beyond the robots' endurance"
+    BEYOND_LONGEST_WALK = "beyond the robots' longest walk"
+    BEYOND_BOTH = "beyond the robots' endurance and longest walk"
+
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """The options that would have to be raised for a robot to serve it; none if nobody could."""
+        return {
+            Reason.BEYOND_ENDURANCE: ("endurance",),
+            Reason.BEYOND_LONGEST_WALK: ("longest_walk",),
+            Reason.BEYOND_BOTH: ("endurance", "longest_walk"),
+        }.get(self, ())
+
 
 Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 

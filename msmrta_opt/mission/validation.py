@@ -18,6 +18,7 @@ _PAIR = "give two numbers, [row, col]"  # the only lists of fixed length in our 
 
 _RIGHT = {
     "dict_type": 'give an object, {{"name": value, …}}',
+    "enum": "give {expected}",
     "extra_forbidden": "there is no such field; correct its name or remove it",
     "finite_number": _NUMBER,
     "float_parsing": _NUMBER,

@@ -19,7 +19,7 @@ from ..certify.bound import STAGE as STAGE_OF_BOUNDS
 from ..interruption import interrupted, interruptible
 from ..mission.errors import InputError
 from ..mission.instance import Instance
-from ..mission.plan import BEYOND_ENDURANCE, Certificate, Plan, Route, Unserved
+from ..mission.plan import Certificate, Plan, Route, Unserved
 from ..optimise.solve import solve
 from ..routing.bound import Bound
 from ..routing.bound import gap as relative_gap
@@ -31,7 +31,7 @@ from ..routing.branch_and_price.search import search_latency
 from ..routing.heuristics.ruin_and_recreate import improve
 from ..routing.incumbent import Report
 from ..routing.problem import Objective, Routes, RoutingData, faults, value
-from ..stages.joint_routing import routing_data
+from ..stages.joint_routing import beyond_limits, routing_data
 from ..stages.options import StagedOptions
 from ..stages.path_planning import path_planning
 from ..stages.requirement_analysis import missing_capabilities, requirement_analysis
@@ -135,10 +135,12 @@ def run(
             report=scouting,
             seconds=watch.seconds,
         )
-        left = _left_out(situation, data)
         certificate = _certificate(known, data, routes, objective, bound)
         return plan.model_copy(
-            update={"unserved": (*plan.unserved, *left), "certificates": (certificate,)}
+            update={
+                "unserved": (*plan.unserved, *_beyond_limits(situation, data)),
+                "certificates": (certificate,),
+            }
         )
 
 
@@ -237,16 +239,12 @@ def _with_way_back(instance: Instance, route: Route) -> Route:
     return route.model_copy(update={"back": tuple(back)})
 
 
-def _left_out(situation: Situation, data: RoutingData) -> list[Unserved]:
+def _beyond_limits(situation: Situation, data: RoutingData) -> list[Unserved]:
     """Available requirements that every capable robot could serve only beyond its limits."""
     instance = situation.instance
     return [
-        Unserved(
-            victim=instance.victims[v].id,
-            kind=instance.capabilities[k],
-            reason=BEYOND_ENDURANCE,
-        )
-        for v, k in np.argwhere(situation.available & ~data.required)
+        Unserved(victim=instance.victims[v].id, kind=instance.capabilities[k], reason=reason)
+        for (v, k), reason in beyond_limits(situation, data).items()
     ]
 
 

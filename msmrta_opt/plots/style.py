@@ -7,13 +7,7 @@ from dataclasses import dataclass
 from matplotlib.colors import to_rgb
 
 from ..mission.instance import Instance
-from ..mission.plan import (
-    BEYOND_ENDURANCE,
-    NO_CAPABLE_ROBOT_REACHES_IT,
-    NO_ROBOT_HAS_IT,
-    NOT_FOUND,
-    Plan,
-)
+from ..mission.plan import Plan, Reason
 
 PALETTE = (
     # Okabe and Ito (2008), without black, which walls and text have, and yellow, pale on white
@@ -48,10 +42,12 @@ STAGES = {
 """The stages of the paper's Algorithm 1 that assign, and what a legend says of them."""
 SHAPES = ("o", "s", "^", "D", "h", "v", "p", "8", "<", ">", "d", "H")
 REASONS = {
-    NO_ROBOT_HAS_IT: "x",
-    NO_CAPABLE_ROBOT_REACHES_IT: "+",
-    NOT_FOUND: "$?$",
-    BEYOND_ENDURANCE: "$!$",
+    Reason.NO_ROBOT_HAS_IT: "x",
+    Reason.NO_CAPABLE_ROBOT_REACHES_IT: "+",
+    Reason.NOT_FOUND: "$?$",
+    Reason.BEYOND_ENDURANCE: "$!$",
+    Reason.BEYOND_LONGEST_WALK: "$w$",
+    Reason.BEYOND_BOTH: "$!w$",
 }
 """The mark of an unserved requirement, by reason."""
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from ..arrays import Bools
+from ..mission.plan import Reason
 from ..routing.problem import RoutingData
 from .situation import Situation
 
@@ -42,16 +46,45 @@ def routing_data(
     most_busy = np.full(instance.n_robots, np.inf if endurance is None else float(endurance))
     most_walk = np.inf if longest_walk is None else float(longest_walk) / speed
     most_travel = np.broadcast_to(most_walk, speed.shape).astype(float)
-    alone = leave + back
-    within = alone[:, :, None] + instance.service[None] <= most_busy[:, None, None] + 1e-9
-    within &= (alone <= most_travel[:, None] + 1e-9)[:, :, None]
-    return RoutingData(
+    data = RoutingData(
         leave=leave,
         between=between,
         back=back,
         service=instance.service,
-        able=situation.able & within,
+        able=situation.able,
         priority=instance.priority,
         endurance=most_busy,
         longest_walk=most_travel,
     )
+    in_time, in_walk = _alone(data)
+    return replace(data, able=situation.able & in_time & in_walk[:, :, None])
+
+
+def beyond_limits(situation: Situation, data: RoutingData) -> dict[tuple[int, int], Reason]:
+    """What `data` leaves out of what can be served, as pairs of victim and kind, and which limit does.
+
+    A limit does where a robot would come within the other; where none does, or one robot for the one
+    and another for the other, both do.
+    """
+    in_time, in_walk = _alone(data)
+    by_time = np.any(situation.able & in_time, axis=0)
+    by_walk = np.any(situation.able & in_walk[:, :, None], axis=0)
+    reasons = {
+        (False, True): Reason.BEYOND_ENDURANCE,
+        (True, False): Reason.BEYOND_LONGEST_WALK,
+    }
+    return {
+        (int(v), int(k)): reasons.get((by_time[v, k], by_walk[v, k]), Reason.BEYOND_BOTH)
+        for v, k in np.argwhere(situation.available & ~data.required)
+    }
+
+
+def _alone(data: RoutingData) -> tuple[Bools, Bools]:
+    """Where a robot that does nothing else keeps its endurance, and where its longest walk.
+
+    Of shapes ``(n_robots, n_victims, n_kinds)`` and ``(n_robots, n_victims)``.
+    """
+    travel = data.leave + data.back
+    busy = travel[:, :, None] + data.service[None]
+    in_time = busy <= data.endurance[:, None, None] + 1e-9
+    return in_time, travel <= data.longest_walk[:, None] + 1e-9

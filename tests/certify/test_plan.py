@@ -19,9 +19,8 @@ from msmrta_opt.mission.grid import Cell, GridMap
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import (
-    NO_CAPABLE_ROBOT_REACHES_IT,
-    NO_ROBOT_HAS_IT,
     Plan,
+    Reason,
     Route,
     Unserved,
     Visit,
@@ -439,7 +438,7 @@ def thoughtless_plan(instance: Instance, ground: Distances, seed: int) -> Plan:
             if reaching:
                 shares[chance.choice(reaching)].append((victim.id, kind))
             else:
-                reason = NO_CAPABLE_ROBOT_REACHES_IT if capable else NO_ROBOT_HAS_IT
+                reason = Reason.NO_CAPABLE_ROBOT_REACHES_IT if capable else Reason.NO_ROBOT_HAS_IT
                 unserved.append(Unserved(victim=victim.id, kind=kind, reason=reason))
     routes = []
     for robot in instance.robots:
@@ -528,7 +527,7 @@ def test_nobody_round_a_corner_can_be_excused_as_out_of_reach(name: str) -> None
                 "victims": [{"id": 0, "cell": cell, "requirements": ["A"]}],
             }
         )
-        excuse = Unserved(victim=0, kind="A", reason=NO_CAPABLE_ROBOT_REACHES_IT)
+        excuse = Unserved(victim=0, kind="A", reason=Reason.NO_CAPABLE_ROBOT_REACHES_IT)
         plan = Plan(instance=instance, planner="lazy", routes=(), unserved=(excuse,))
         (wrong,) = problems(plan)
         assert wrong.endswith("in truth: available")
@@ -544,7 +543,7 @@ def test_nothing_that_could_be_served_can_be_excused_as_out_of_reach(
         if route.visits:
             *kept, last = route.visits
             excuse = Unserved(
-                victim=last.victim, kind=last.served[0], reason=NO_CAPABLE_ROBOT_REACHES_IT
+                victim=last.victim, kind=last.served[0], reason=Reason.NO_CAPABLE_ROBOT_REACHES_IT
             )
             routes = [r for r in plan.routes if r is not route]
             routes.append(route.model_copy(update={"visits": tuple(kept)}))

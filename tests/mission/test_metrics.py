@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.mission.plan import BEYOND_ENDURANCE, Plan, Route, Unserved
+from msmrta_opt.mission.plan import Plan, Reason, Route, Unserved
 
 BY_HAND = {
     "n_requirements": 8,
@@ -105,7 +105,7 @@ def test_robots_that_stay_have_walked_nothing(plan: Plan) -> None:
 
 def test_what_is_beyond_the_robots_endurance_is_available_and_not_served(plan: Plan) -> None:
     first, _ = plan.route(7).visits
-    left = Unserved(victim=10, kind="A", reason=BEYOND_ENDURANCE)
+    left = Unserved(victim=10, kind="A", reason=Reason.BEYOND_ENDURANCE)
     figures = variant(
         plan,
         routes=(plan.route(7).model_copy(update={"visits": (first,)}), plan.route(3)),

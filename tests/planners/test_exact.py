@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import signal
 import subprocess
@@ -18,7 +19,7 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows, read_map
-from msmrta_opt.mission.plan import BEYOND_ENDURANCE, NOT_FOUND, Plan
+from msmrta_opt.mission.plan import Plan, Reason
 from msmrta_opt.routing.branch_and_price.queue_bound import latency_bound
 from msmrta_opt.routing.problem import Objective, RoutingData
 from msmrta_opt.stages.joint_routing import routing_data
@@ -151,14 +152,65 @@ def test_limits_that_are_just_enough_change_nothing(
     assert proven(made)[0] == {"total_time": 9, "makespan": 9, "latency": 12}[objective]
 
 
-@pytest.mark.parametrize("limit", [{"endurance": 4.5}, {"longest_walk": 2}])
-def test_what_is_beyond_every_robots_limits_is_left_out_and_said_so(
-    corridor: Instance, limit: dict[str, float]
+@pytest.mark.parametrize(
+    ("limits", "reason"),
+    [
+        ({"endurance": 4.5}, Reason.BEYOND_ENDURANCE),
+        ({"longest_walk": 2}, Reason.BEYOND_LONGEST_WALK),
+        ({"endurance": 4.5, "longest_walk": 3}, Reason.BEYOND_ENDURANCE),
+        ({"endurance": 5, "longest_walk": 2}, Reason.BEYOND_LONGEST_WALK),
+        ({"endurance": 4.5, "longest_walk": 2}, Reason.BEYOND_BOTH),
+        ({"longest_walk": 5, "return_to_start": True}, Reason.BEYOND_LONGEST_WALK),
+        ({"endurance": 7, "return_to_start": True}, Reason.BEYOND_ENDURANCE),
+    ],
+)
+def test_what_is_beyond_every_robots_limits_is_left_out_for_the_limit_that_does_it(
+    corridor: Instance, limits: dict[str, float], reason: Reason
 ) -> None:
-    """Victim 1 alone takes 3 moves and 2 of service."""
-    made = mo.plan(corridor, planner="exact", objective=None, **limit)
-    assert proven(made)[0] == 3
-    assert [(item.victim, item.reason) for item in made.unserved] == [(1, BEYOND_ENDURANCE)]
+    """Victim 1 alone takes 3 moves and 2 of service, and 3 moves back; victim 0 1, 2 and 1."""
+    made = mo.plan(corridor, planner="exact", objective=None, **limits)
+    assert proven(made)[0] == (4 if "return_to_start" in limits else 3)
+    assert [(item.victim, item.reason) for item in made.unserved] == [(1, reason)]
+    assert made.metrics.n_available == 2
+    assert Plan.model_validate_json(made.model_dump_json(), strict=True) == made
+
+
+def test_where_one_robot_lacks_time_and_another_may_not_walk_as_far_both_limits_do_it() -> None:
+    """A slow robot 2 cells away needs 20 time units, a quick one 8 cells away needs 4."""
+    mission = Instance(
+        map=grid_from_rows(["." * 11]),
+        capabilities=("A",),
+        service_time={"A": 0},
+        robots=(
+            Robot(id=5, start=(0, 0), speed=0.1, capabilities=("A",)),
+            Robot(id=6, start=(0, 10), speed=2, capabilities=("A",)),
+        ),
+        victims=(Victim(id=3, cell=(0, 2), requirements=("A",)),),
+    )
+    for limits, reasons in (
+        ({"endurance": 10, "longest_walk": 5}, [Reason.BEYOND_BOTH]),
+        ({"endurance": 20, "longest_walk": 5}, []),
+        ({"endurance": 10, "longest_walk": 8}, []),
+        ({"endurance": 3, "longest_walk": 8}, [Reason.BEYOND_ENDURANCE]),
+        ({"endurance": 20, "longest_walk": 1}, [Reason.BEYOND_LONGEST_WALK]),
+    ):
+        made = mo.plan(mission, planner="exact", **limits)
+        assert [item.reason for item in made.unserved] == reasons, limits
+
+
+def test_a_plan_of_before_says_endurance_of_either_limit_and_still_holds(
+    corridor: Instance,
+) -> None:
+    document = mo.plan(corridor, planner="exact", longest_walk=2).document()
+    document["unserved"][0]["reason"] = "beyond the robots' endurance"
+    assert problems(Plan.model_validate_json(json.dumps(document), strict=True)) == []
+
+
+def test_a_limit_that_there_was_not_excuses_nothing(corridor: Instance) -> None:
+    document = mo.plan(corridor, planner="exact", endurance=4.5).document()
+    document["unserved"][0]["reason"] = "beyond the robots' longest walk"
+    (wrong,) = problems(Plan.model_validate_json(json.dumps(document), strict=True))
+    assert 'unserved for "beyond the robots\' longest walk"; in truth: available' in wrong
 
 
 @pytest.mark.parametrize("limit", [{"endurance": 8.5}, {"longest_walk": 4}])
@@ -203,7 +255,7 @@ def test_no_victims_take_no_time(instances_dir: Path) -> None:
 def test_victims_that_the_scouts_do_not_find_are_left_out(instances_dir: Path) -> None:
     made = mo.plan(Instance.read(instances_dir / "scouted.json"), planner="exact")
     assert proven(made)[0] == 5
-    assert [(item.victim, item.reason) for item in made.unserved] == [(1, NOT_FOUND)]
+    assert [(item.victim, item.reason) for item in made.unserved] == [(1, Reason.NOT_FOUND)]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
-from msmrta_opt.mission.plan import NOT_FOUND, Plan
+from msmrta_opt.mission.plan import Plan, Reason
 from msmrta_opt.planners import plan, planners
 from msmrta_opt.planners.support.improvement import OBJECTIVES, improve_plan
 from msmrta_opt.routing.heuristics import ruin_and_recreate as local_search
@@ -118,7 +118,7 @@ def test_victims_that_the_scouts_do_not_find_stay_unserved(instances_dir: Path) 
         made = plan(mission, planner=planner, improve=True)
         assert problems(made) == []
         assert visits(made) == [0]
-        assert [(item.victim, item.reason) for item in made.unserved] == [(1, NOT_FOUND)]
+        assert [(item.victim, item.reason) for item in made.unserved] == [(1, Reason.NOT_FOUND)]
         assert made.metrics.total_time == 5
 
 

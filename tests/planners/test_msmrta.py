@@ -14,7 +14,7 @@ from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance, Robot, Scout, Victim
 from msmrta_opt.mission.maps import grid_from_rows
-from msmrta_opt.mission.plan import NO_CAPABLE_ROBOT_REACHES_IT, NO_ROBOT_HAS_IT, NOT_FOUND, Plan
+from msmrta_opt.mission.plan import Plan, Reason
 from msmrta_opt.planners import plan, planners
 
 STAGES = [
@@ -91,8 +91,8 @@ def test_all_of_the_papers_mission_is_served_but_the_fire_extinguishers(
 ) -> None:
     made = planned(paper, preset)
     assert reasons(made) == {
-        (2, "FireExtinguisher"): NO_ROBOT_HAS_IT,
-        (5, "FireExtinguisher"): NO_ROBOT_HAS_IT,
+        (2, "FireExtinguisher"): Reason.NO_ROBOT_HAS_IT,
+        (5, "FireExtinguisher"): Reason.NO_ROBOT_HAS_IT,
     }
     assert (made.metrics.n_requirements, made.metrics.n_served) == (20, 18)
     assert made.metrics.served_share == 1
@@ -181,9 +181,9 @@ def test_what_is_out_of_reach_or_of_nobodys_kind_is_named(read: Read) -> None:
     made = planned(read("walled_in"))
     assert times(made) == {0: [(0, 4, 6)]}
     assert reasons(made) == {
-        (0, "Crane"): NO_ROBOT_HAS_IT,
-        (1, "FirstAids"): NO_CAPABLE_ROBOT_REACHES_IT,
-        (1, "Crane"): NO_ROBOT_HAS_IT,
+        (0, "Crane"): Reason.NO_ROBOT_HAS_IT,
+        (1, "FirstAids"): Reason.NO_CAPABLE_ROBOT_REACHES_IT,
+        (1, "Crane"): Reason.NO_ROBOT_HAS_IT,
     }
 
 
@@ -191,7 +191,7 @@ def test_a_victim_that_the_scouts_do_not_find_is_not_planned_for(read: Read) -> 
     # Victim 1 is hidden, although robot 1 stands beside it.
     made = planned(read("scouted"))
     assert times(made) == {0: [(0, 3, 5)], 1: []}
-    assert reasons(made) == {(1, "FirstAids"): NOT_FOUND}
+    assert reasons(made) == {(1, "FirstAids"): Reason.NOT_FOUND}
     assert [cluster.victims for cluster in made.clusters] == [(0,)]
     known = planned(read("scouted").replace(scouts=()))
     assert times(known) == {0: [(0, 3, 5)], 1: [(1, 1, 3)]}
@@ -259,7 +259,7 @@ def test_a_robot_without_capabilities_stays_at_its_start(preset: str) -> None:
 def test_where_no_robot_has_any_capability_nobody_moves(preset: str) -> None:
     made = planned(mission([(0, ""), (9, "")], [(3, "A"), (5, "AB")]), preset)
     assert visits(made) == {50: [], 51: []}
-    assert set(reasons(made).values()) == {NO_ROBOT_HAS_IT}
+    assert set(reasons(made).values()) == {Reason.NO_ROBOT_HAS_IT}
     assert (made.metrics.n_available, made.metrics.served_share) == (0, 1)
 
 
@@ -288,7 +288,11 @@ def test_scouts_who_find_nobody_leave_nothing_to_plan(preset: str) -> None:
     )
     made = planned(instance, preset)
     assert visits(made) == {50: [], 51: []}
-    assert reasons(made) == {(90, "A"): NOT_FOUND, (89, "A"): NOT_FOUND, (89, "B"): NOT_FOUND}
+    assert reasons(made) == {
+        (90, "A"): Reason.NOT_FOUND,
+        (89, "A"): Reason.NOT_FOUND,
+        (89, "B"): Reason.NOT_FOUND,
+    }
     assert (made.clusters, made.certificates) == ((), ())
     assert made.scouting is not None
     assert made.scouting.not_found == (90, 89)

@@ -7,9 +7,6 @@ from typing import Any
 
 from ...mission.instance import Instance
 from ...mission.plan import (
-    NO_CAPABLE_ROBOT_REACHES_IT,
-    NO_ROBOT_HAS_IT,
-    NOT_FOUND,
     Certificate,
     Cluster,
     Plan,
@@ -82,8 +79,8 @@ def _unserved(
 ) -> tuple[Unserved, ...]:
     reason: dict[tuple[int, str], Reason] = {}
     causes: tuple[tuple[tuple[tuple[int, int], ...], Reason], ...] = (
-        (missing.unavailable, NO_ROBOT_HAS_IT),
-        (missing.unreachable, NO_CAPABLE_ROBOT_REACHES_IT),
+        (missing.unavailable, Reason.NO_ROBOT_HAS_IT),
+        (missing.unreachable, Reason.NO_CAPABLE_ROBOT_REACHES_IT),
     )
     for pairs, cause in causes:
         for v, k in pairs:
@@ -92,7 +89,7 @@ def _unserved(
     found = []
     for victim in instance.victims:
         for kind in victim.requirements:
-            why = NOT_FOUND if victim.id in hidden else reason.get((victim.id, kind))
+            why = Reason.NOT_FOUND if victim.id in hidden else reason.get((victim.id, kind))
             if why is not None:
                 found.append(Unserved(victim=victim.id, kind=kind, reason=why))
     return tuple(found)
