@@ -23,13 +23,12 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
-from typing import cast
 
 import msmrta_opt as mo
 from msmrta_opt.isolation import Failure, Limits, run_isolated
-from msmrta_opt.planners.support.improvement import OBJECTIVES
-from msmrta_opt.routing.bound import gap
-from msmrta_opt.routing.problem import Objective, Routes
+from msmrta_opt.routing.callbacks import Callbacks, SearchState
+from msmrta_opt.routing.objectives import OBJECTIVES, objective_of
+from msmrta_opt.routing.stop import relative_gap
 
 INSTANCES = Path(__file__).parents[1] / "instances"
 MAPS = (0, 2, 3)
@@ -38,12 +37,13 @@ PAPER = "paper"
 """In place of a size: the paper's mission."""
 MARKS = (10.0, 60.0, 300.0)
 SIZES = ("4x20", "10x50", "10x100", PAPER)
-LATENCY_SIZES = ("4x20", PAPER)
+SLOW, SLOW_SIZES = "branch and price", ("4x20", PAPER)
+"""The method that is run on some sizes only."""
 PROVEN = 1e-6
 GRACE = 300.0
 """Seconds past the limit after which a run is killed: it then has not heeded its limit."""
 
-Key = tuple[str, int, Objective, float]
+Key = tuple[str, int, str, float]
 """Size, number, objective, limit in seconds."""
 
 
@@ -59,7 +59,7 @@ class State:
     @property
     def gap(self) -> float:
         """Relative, 0 to 1."""
-        return gap(self.value, self.bound)
+        return relative_gap(self.value, self.bound)
 
 
 @dataclass(frozen=True)
@@ -87,18 +87,22 @@ def mission(size: str, number: int) -> mo.Instance:
     return mo.random_mission(grid, n_robots, n_victims, seed=FIRST_SEED + number)
 
 
-def follow(size: str, number: int, objective: Objective, seconds: float) -> Followed:
+def follow(size: str, number: int, objective: str, seconds: float) -> Followed:
     """Plan that mission, for a process of its own: its peak memory is counted as the run's."""
     instance = mission(size, number)
     began = time.monotonic()
     states: list[State] = []
 
-    def report(routes: Routes, value: float, bound: float, what: str) -> None:
-        del routes, what
-        states.append(State(time.monotonic() - began, value, bound))
+    class Follow(Callbacks):
+        def incumbent_found(self, state: SearchState) -> None:
+            states.append(State(time.monotonic() - began, state.value, state.bound))
+
+        def bound_raised(self, state: SearchState, proof: str) -> None:
+            del proof
+            self.incumbent_found(state)
 
     made = mo.plan(
-        instance, planner="exact", objective=objective, time_limit=seconds, report=report
+        instance, planner="exact", objective=objective, time_limit=seconds, callbacks=Follow()
     )
     certificate = made.certificates[0]
     assert certificate.objective is not None
@@ -135,7 +139,7 @@ class Row:
     @property
     def key(self) -> Key:
         """Whose row it is."""
-        return self.size, self.number, cast(Objective, self.objective), self.limit
+        return self.size, self.number, self.objective, self.limit
 
 
 def marks_until(limit: float) -> list[float]:
@@ -182,7 +186,7 @@ def wanted(arguments: argparse.Namespace) -> Iterator[Key]:
     """The runs asked for."""
     for size in arguments.sizes:
         for objective in arguments.objectives:
-            if objective == "latency" and size not in LATENCY_SIZES:
+            if objective_of(objective).method == SLOW and size not in SLOW_SIZES:
                 continue
             for number in range(1 if size == PAPER else arguments.missions):
                 yield size, number, objective, arguments.seconds
@@ -219,7 +223,7 @@ def main() -> None:
     parser.add_argument("--missions", type=int)
     parser.add_argument("--seconds", type=float)
     parser.add_argument("--sizes", nargs="+", default=SIZES)
-    parser.add_argument("--objectives", nargs="+", default=OBJECTIVES, choices=OBJECTIVES)
+    parser.add_argument("--objectives", nargs="+", default=list(OBJECTIVES), choices=OBJECTIVES)
     parser.add_argument("--csv", type=Path, default=Path("exact.csv"))
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     arguments = parser.parse_args()

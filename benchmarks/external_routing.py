@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.files import read_text
 from msmrta_opt.optimise.solvers import Options
-from msmrta_opt.routing.bound import gap
-from msmrta_opt.routing.branch_and_cut.search import strong_bound
-from msmrta_opt.routing.branch_and_price.search import search_latency
-from msmrta_opt.routing.heuristics.ruin_and_recreate import improve
-from msmrta_opt.routing.problem import Objective, Routes, RoutingData, value
+from msmrta_opt.routing.heuristics.ruin_and_recreate import ruin_and_recreate
+from msmrta_opt.routing.incumbent import Progress
+from msmrta_opt.routing.methods import close_in
+from msmrta_opt.routing.problem import Routes, RoutingData
+from msmrta_opt.routing.stop import MaximumRuntime
 
 Floats = NDArray[np.float64]
 
@@ -74,21 +74,20 @@ def one_kind(lengths: Floats, n_robots: int, *, return_to_start: bool) -> Routin
     )
 
 
-def searched(data: RoutingData, objective: Objective) -> Routes:
+def searched(data: RoutingData, objective: str) -> Routes:
     """Routes by local search, from victims dealt out in turn."""
     n = data.n_robots
     dealt = tuple(tuple((v, (0,)) for v in range(r, data.n_victims, n)) for r in range(n))
-    return improve(data, dealt, objective)
+    return ruin_and_recreate(data, dealt, objective)
 
 
-def by_proof(data: RoutingData, objective: Objective, _: str, options: Options) -> float | str:
+def by_proof(data: RoutingData, objective: str, _: str, options: Options) -> float | str:
     """The value that is proven within the time limit, or says that it is not."""
     limit = math.inf if options.time_limit is None else options.time_limit
     begin = searched(data, objective)
-    if objective == "latency":
-        routes, bound = search_latency(data, begin, time_limit=limit)
-    else:
-        routes, bound = strong_bound(data, objective, begin, time_limit=limit)
-    reached = value(data, routes, objective)
-    proven = gap(reached, bound.value) <= PROVEN
-    return reached if proven else f"{reached:.10g} above {bound.value:.10g}, {UNPROVEN}"
+    progress = Progress(data, objective, begin, stop=MaximumRuntime(limit))
+    close_in(progress)
+    reached, bound = progress.value, progress.bound
+    return (
+        reached if progress.open() <= PROVEN else f"{reached:.10g} above {bound:.10g}, {UNPROVEN}"
+    )

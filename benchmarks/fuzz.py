@@ -34,8 +34,9 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import planners
-from msmrta_opt.planners.support.improvement import OBJECTIVES, improve_plan
-from msmrta_opt.routing.problem import Objective, Routes
+from msmrta_opt.planners.support.improvement import improve_plan
+from msmrta_opt.routing.callbacks import Callbacks, SearchState
+from msmrta_opt.routing.objectives import OBJECTIVES
 
 MAPS = Path(__file__).parents[1] / "instances" / "maps"
 SPEEDS = ((0.2, 0.3, 0.4), (1.0,), (0.31, 0.7, 1.3), (1 / 3, 0.7))
@@ -126,7 +127,7 @@ def mission(number: int) -> tuple[mo.Instance, dict[str, Any]]:
     return made, options
 
 
-def violations(number: int, limits: Sequence[float], objectives: Sequence[Objective]) -> list[str]:
+def violations(number: int, limits: Sequence[float], objectives: Sequence[str]) -> list[str]:
     """What is wrong with what the exact planner says of mission `number`, one line each."""
     chance = random.Random(-number - 1)
     instance, options = mission(number)
@@ -151,7 +152,7 @@ def violations(number: int, limits: Sequence[float], objectives: Sequence[Object
 
 def _run(
     instance: mo.Instance,
-    objective: Objective,
+    objective: str,
     who: str,
     known: Known,
     options: dict[str, Any],
@@ -163,15 +164,21 @@ def _run(
     history: list[tuple[float, float]] = []
     stopped = _Stop(stop_after)
 
-    def report(routes: Routes, value: float, bound: float, what: str) -> None:
-        del routes, what
-        if not history:
-            stopped.begin()
-        history.append((value, bound))
+    class Follow(Callbacks):
+        def incumbent_found(self, state: SearchState) -> None:
+            if not history:
+                stopped.begin()
+            history.append((state.value, state.bound))
+
+        def bound_raised(self, state: SearchState, proof: str) -> None:
+            del proof
+            self.incumbent_found(state)
 
     try:
         with stopped:
-            made = planners()["exact"].run(instance, objective=objective, report=report, **options)
+            made = planners()["exact"].run(
+                instance, objective=objective, callbacks=Follow(), **options
+            )
     except InputError as error:
         if " exists" in str(error):
             known.impossible.append(who)
@@ -197,7 +204,7 @@ def _run(
     return [f"{objective}, run {who}: {line}" for line in wrong]
 
 
-def faults_of(made: Plan, objective: Objective) -> list[str]:
+def faults_of(made: Plan, objective: str) -> list[str]:
     """What is wrong with a plan and its certificate by themselves, one line each."""
     wrong = problems(made)
     certificate = made.certificates[0]
@@ -247,7 +254,7 @@ class _Stop:
 
 def chunk(numbers: Sequence[int], limits: Sequence[float]) -> tuple[int, list[str]]:
     """How many missions, and what is wrong with them."""
-    return len(numbers), [line for n in numbers for line in violations(n, limits, OBJECTIVES)]
+    return len(numbers), [line for n in numbers for line in violations(n, limits, list(OBJECTIVES))]
 
 
 def main() -> None:

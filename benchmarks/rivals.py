@@ -35,13 +35,15 @@ from exact import mission
 from numpy.typing import NDArray
 
 from msmrta_opt.isolation import Failure, Limits, run_isolated
-from msmrta_opt.routing.bound import gap
-from msmrta_opt.routing.objective_step import granularity
-from msmrta_opt.routing.problem import Routes, RoutingData, faults, value
+from msmrta_opt.routing.objective_step import objective_step
+from msmrta_opt.routing.objectives import OBJECTIVES
+from msmrta_opt.routing.problem import Routes, RoutingData, faults
+from msmrta_opt.routing.stop import relative_gap
 from msmrta_opt.stages.joint_routing import routing_data
 from msmrta_opt.stages.situation import Situation
 
 Ints = NDArray[np.int64]
+TOTAL_TIME = OBJECTIVES["total_time"]
 
 FINEST = 1e-3
 """Time units in place of a grain, where travel times have none."""
@@ -71,7 +73,7 @@ class Clients:
     @cached_property
     def step(self) -> float:
         """Time units of one unit of travel."""
-        return granularity(self.data, "total_time").step or FINEST
+        return objective_step(self.data, TOTAL_TIME).step or FINEST
 
     @cached_property
     def clients(self) -> list[tuple[int, int]]:
@@ -225,7 +227,7 @@ def cp_sat(data: RoutingData, seconds: float) -> Answer:
     from ortools.sat.python import cp_model
 
     began = time.monotonic()
-    step = granularity(data, "total_time").step or FINEST
+    step = objective_step(data, TOTAL_TIME).step or FINEST
     model = cp_model.CpModel()
     served: dict[tuple[int, int], list[Any]] = {}
     cost: list[tuple[int, Any]] = []
@@ -262,7 +264,7 @@ def cp_sat(data: RoutingData, seconds: float) -> Answer:
     status = solver.solve(model)
     spent = time.monotonic() - began
     bound = None
-    if granularity(data, "total_time").step and math.isfinite(solver.best_objective_bound):
+    if objective_step(data, TOTAL_TIME).step and math.isfinite(solver.best_objective_bound):
         # Without a grain, travel is rounded, and so would the bound be.
         bound = data.total_service + step * max(solver.best_objective_bound, 0.0)
     if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
@@ -332,7 +334,7 @@ def judged(data: RoutingData, given: Answer | Failure) -> Judged:
         return Judged(None, given.bound, given.seconds, "no answer")
     if wrong := faults(data, given.routes):
         return Judged(None, given.bound, given.seconds, f"not feasible: {wrong[0]}")
-    return Judged(value(data, given.routes, "total_time"), given.bound, given.seconds)
+    return Judged(TOTAL_TIME.value(data, given.routes), given.bound, given.seconds)
 
 
 def table(runs: Sequence[dict[str, Judged]]) -> Iterator[str]:
@@ -346,9 +348,9 @@ def table(runs: Sequence[dict[str, Judged]]) -> Iterator[str]:
                 continue
             bound = max((j.bound for j in run.values() if j.bound is not None), default=0.0)
             ratios.append(one.value / min(j.value for j in run.values() if j.value is not None))
-            open_.append(gap(one.value, bound))
+            open_.append(relative_gap(one.value, bound))
             if one.bound is not None:
-                own.append(gap(one.value, one.bound))
+                own.append(relative_gap(one.value, one.bound))
         cells = [f"{len(ratios)} of {len(runs)} answered"]
         if ratios:
             cells.append(f"value/best {statistics.median(ratios):.4f} ({max(ratios):.4f})")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, cast
+from pathlib import Path
+from typing import Annotated
 
 import typer
 
+from ..routing.objectives import DEFAULT, NAMES
 from .missions import Figure, InstanceFile, Json, Seed
-
-if TYPE_CHECKING:
-    from ..routing.problem import Objective, Routes
 
 
 def register(app: typer.Typer) -> None:
@@ -19,7 +18,7 @@ def register(app: typer.Typer) -> None:
 
 def exact(
     instance: InstanceFile,
-    objective: Annotated[str, typer.Option(help="total_time, makespan or latency.")] = "total_time",
+    objective: Annotated[str, typer.Option(help=f"What to minimise: {NAMES}.")] = DEFAULT,
     time_limit: Annotated[float, typer.Option(help="Seconds of wall time.")] = 60.0,
     gap: Annotated[float, typer.Option(help="Relative gap to stop at, 0 to 1.")] = 0.0,
     endurance: Annotated[
@@ -31,6 +30,9 @@ def exact(
     return_to_start: Annotated[
         bool, typer.Option("--return/--open", help="Whether robots walk back to their starts.")
     ] = False,
+    parameters: Annotated[
+        Path | None, typer.Option(help="A TOML file of tuning parameters.", metavar="FILE")
+    ] = None,
     seed: Seed = None,
     json: Json = None,
     figure: Figure = None,
@@ -44,32 +46,43 @@ def exact(
 
     from ..mission.instance import Instance
     from ..planners import plan as make_plan
+    from ..routing.callbacks import Callbacks, SearchState
+    from ..routing.parameters import Parameters
     from .outputs import check_outputs, write_plan
     from .tables import show_plan
 
-    check_outputs(json, figure=figure, inputs=[instance])
+    check_outputs(
+        json, figure=figure, inputs=[instance, *([] if parameters is None else [parameters])]
+    )
+    tuned = None if parameters is None else Parameters.read(parameters)
     began = time.monotonic()
 
-    def report(routes: Routes, value: float, bound: float, what: str) -> None:
-        del routes
-        opening = max(value - bound, 0.0) / value if value else 0.0
-        typer.echo(
-            f"{time.monotonic() - began:7.1f} s   best {value:10.6g}   bound {bound:10.6g}"
-            f"   gap {opening:7.2%}   {what}",
-            err=True,
-        )
+    class Report(Callbacks):
+        def incumbent_found(self, state: SearchState) -> None:
+            self.phase_began(state, "better routes")
+
+        def bound_raised(self, state: SearchState, proof: str) -> None:
+            self.phase_began(state, proof)
+
+        def phase_began(self, state: SearchState, phase: str) -> None:
+            typer.echo(
+                f"{time.monotonic() - began:7.1f} s   best {state.value:10.6g}"
+                f"   bound {state.bound:10.6g}   gap {state.gap:7.2%}   {phase}",
+                err=True,
+            )
 
     made = make_plan(
         Instance.read(instance),
         planner="exact",
-        objective=cast("Objective", objective),
+        objective=objective,
         time_limit=time_limit,
         gap=gap,
         endurance=endurance,
         longest_walk=longest_walk,
         return_to_start=return_to_start,
         seed=seed or 0,
-        report=report,
+        parameters=tuned,
+        callbacks=Report(),
     )
     show_plan(made)
     write_plan(made, json, figure)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..routing.objectives import NAMES
 from .check import check
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def plan(
     ] = None,
     objective: Annotated[
         str | None,
-        typer.Option(help="What to improve: total_time, makespan or latency."),
+        typer.Option(help=f"What to improve: {NAMES}."),
     ] = None,
     json: Json = None,
     figure: Figure = None,

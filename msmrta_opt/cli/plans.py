@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import Annotated
 
 import typer
 
+from ..routing.objectives import DEFAULT, NAMES, objective_of
 from .missions import Figure, Seed
-
-if TYPE_CHECKING:
-    from ..routing.problem import Objective
 
 
 def register(app: typer.Typer) -> None:
@@ -20,7 +18,7 @@ def register(app: typer.Typer) -> None:
 
 def compare_plans(
     instances: Annotated[list[Path], typer.Argument(metavar="INSTANCE…", help="Instance files.")],
-    objective: Annotated[str, typer.Option(help="total_time or makespan.")] = "total_time",
+    objective: Annotated[str, typer.Option(help=f"One of {NAMES}.")] = DEFAULT,
     seconds: Annotated[float, typer.Option(help="For the exact planner, on each.")] = 30.0,
     seed: Seed = None,
     figure: Figure = None,
@@ -33,12 +31,10 @@ def compare_plans(
     from .console import table
     from .outputs import check_outputs
 
-    if objective not in ("total_time", "makespan"):
-        raise InputError(f"{objective!r}; give total_time or makespan", field="--objective")
+    objective_of(objective)
     if not seconds >= 0:
         raise InputError(f"{seconds!r}; give 0 or more", field="--seconds")
     check_outputs(figure=figure, inputs=instances)
-    by = cast("Objective", objective)
     priced = {}
     for mission in [Instance.read(path) for path in instances]:
         rows = [
@@ -53,13 +49,13 @@ def compare_plans(
                 item.metrics.makespan,
                 item.metrics.mean_completion,
             )
-            for item in candidates(mission, by, seconds=seconds, seed=seed or 0)
+            for item in candidates(mission, objective, seconds=seconds, seed=seed or 0)
         ]
         columns = ["plan", objective, "to its bound", "open", "served", "cells"]
         columns += ["total time", "makespan", "mean completion"]
         table(f"{mission.name}: plans by {objective}", columns, rows)
         staged = make_plan(mission, seed=seed or 0)
-        losses = price_of_staging(staged, by, seconds=seconds / 4, seed=seed or 0)
+        losses = price_of_staging(staged, objective, seconds=seconds / 4, seed=seed or 0)
         table(
             f"{mission.name}: what each stage of the staged plan costs, freed from the last on",
             ["freed", "before", "after", "loss", "bound of after"],

@@ -17,6 +17,7 @@ _NUMBER = "give a finite number"
 _PAIR = "give two numbers, [row, col]"  # the only lists of fixed length in our documents
 
 _RIGHT = {
+    "dataclass_type": 'give an object, {{"name": value, …}}',
     "dict_type": 'give an object, {{"name": value, …}}',
     "enum": "give {expected}",
     "extra_forbidden": "there is no such field; correct its name or remove it",
@@ -28,6 +29,8 @@ _RIGHT = {
     "int_from_float": _WHOLE,
     "int_parsing": _WHOLE,
     "int_type": _WHOLE,
+    "less_than": "give a number below {lt:g}",
+    "less_than_equal": "give {le:g} or less",
     "literal_error": "give {expected}",
     "missing": _PAIR,
     "model_type": 'give an object, {{"name": value, …}}',
@@ -35,6 +38,7 @@ _RIGHT = {
     "too_long": _PAIR,
     "too_short": "give a list of {min_length} or more",
     "tuple_type": "give a list, […]",
+    "unexpected_keyword_argument": "there is no such field; correct its name or remove it",
 }
 """What would be right, by pydantic's type of error; filled in from the error's context."""
 

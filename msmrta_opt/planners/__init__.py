@@ -15,9 +15,10 @@ from ..certify.plan import check_plan
 from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import Plan
-from ..routing.problem import Objective
+from ..routing.objectives import DEFAULT, objective_of
+from ..routing.parameters import Parameters
 from ..stages.options import StagedOptions
-from .support.improvement import check_objective, improve_plan
+from .support.improvement import improve_plan
 from .support.planner import Planner
 
 
@@ -37,7 +38,8 @@ def plan(
     *,
     planner: str = "msmrta",
     improve: bool | float = False,
-    objective: Objective | None = None,
+    objective: str | None = None,
+    parameters: Parameters | Mapping[str, Any] | None = None,
     **options: Any,
 ) -> Plan:
     """Plan `instance`, and check the plan.
@@ -51,31 +53,37 @@ def plan(
     improve : bool or float
         Improve the plan by local search: ``True`` for a fixed number of steps, which the same seed
         repeats; a number for that many seconds.
-    objective : {"total_time", "makespan", "latency"}, optional
-        What to improve, and what a planner with an objective minimises; total time by default.
+    objective : str, optional
+        What to improve, and what a planner with an objective minimises; one of
+        `routing.objectives.OBJECTIVES`, total time by default.
+    parameters : Parameters or mapping, optional
+        Tuning parameters of the search, whether the planner's or the improvement's.
     **options
         The planner's own; for ``msmrta`` those of `options.StagedOptions`, and ``preset``.
 
     Raises
     ------
     InputError
-        If the planner or an option is unknown or out of range, or nothing would heed `objective`.
+        If the planner or an option is unknown or out of range, or nothing would heed `objective` or
+        `parameters`.
     CheckError
         If the plan fails its independent check, which would be a defect of the planner.
     """
-    check_options(planner, {"improve": improve, "objective": objective, **options})
+    of_search = {"objective": objective, "parameters": parameters}
+    check_options(planner, {"improve": improve, **of_search, **options})
     run = planners()[planner].run
-    if objective is not None and "objective" in inspect.signature(run).parameters:
-        options["objective"] = objective
+    takes = inspect.signature(run).parameters
+    options |= {name: x for name, x in of_search.items() if x is not None and name in takes}
     made = check_plan(run(instance, **options))
     if improve is False:
         return made
     return check_plan(
         improve_plan(
             made,
-            objective=objective or "total_time",
+            objective=objective or DEFAULT,
             seconds=None if improve is True else float(improve),
             seed=options.get("seed", 0),
+            parameters=parameters,
         )
     )
 
@@ -92,7 +100,8 @@ def check_options(planner: str, options: Mapping[str, Any]) -> None:
     if planner not in known:
         raise InputError(f"{planner!r}; give one of {', '.join(known)}", field="planner")
     takes = inspect.signature(known[planner].run).parameters
-    own = {name: value for name, value in options.items() if name not in ("improve", "objective")}
+    shared = ("improve", "objective", "parameters")
+    own = {name: value for name, value in options.items() if name not in shared}
     if any(parameter.kind is parameter.VAR_KEYWORD for parameter in takes.values()):
         StagedOptions.of(**own)
     else:
@@ -102,16 +111,18 @@ def check_options(planner: str, options: Mapping[str, Any]) -> None:
                 raise InputError(
                     f"planner {planner} has no such option; it has {there}", field=name
                 )
-    improve, objective = options.get("improve", False), options.get("objective")
+    improve = options.get("improve", False)
+    objective, parameters = options.get("objective"), options.get("parameters")
     _check_improve(improve)
     if "objective" in takes and improve is not False:
         raise InputError(f"planner {planner} improves by itself; leave it out", field="improve")
     if objective is not None:
-        check_objective(objective)
-        if "objective" not in takes and improve is False:
+        objective_of(objective)
+    Parameters.of(parameters)
+    for name, value in {"objective": objective, "parameters": parameters}.items():
+        if value is not None and name not in takes and improve is False:
             raise InputError(
-                f"planner {planner} has no objective of its own; give improve with it",
-                field="objective",
+                f"planner {planner} has no {name} of its own; give improve with it", field=name
             )
 
 

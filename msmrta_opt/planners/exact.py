@@ -9,9 +9,8 @@ the best plan and what is proven about it.
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -22,15 +21,22 @@ from ..mission.instance import Instance
 from ..mission.plan import Certificate, Plan, Route, Unserved
 from ..optimise.solve import solve
 from ..routing.bound import Bound
-from ..routing.bound import gap as relative_gap
 from ..routing.branch_and_cut.root_proof import root_proof
-from ..routing.branch_and_cut.search import strong_bound
-from ..routing.branch_and_price.queue_bound import latency_bound
 from ..routing.branch_and_price.root_proof import latency_proof
-from ..routing.branch_and_price.search import search_latency
-from ..routing.heuristics.ruin_and_recreate import improve
-from ..routing.incumbent import Report
-from ..routing.problem import Objective, Routes, RoutingData, faults, value
+from ..routing.callbacks import Callbacks
+from ..routing.heuristics.ruin_and_recreate import ruin_and_recreate
+from ..routing.incumbent import Progress
+from ..routing.methods import close_in
+from ..routing.objectives import DEFAULT, Objective, objective_of
+from ..routing.parameters import Parameters
+from ..routing.problem import Routes, RoutingData, faults
+from ..routing.stop import (
+    Interruption,
+    MaximumRuntime,
+    RelativeGap,
+    StoppingCriterion,
+    relative_gap,
+)
 from ..stages.joint_routing import beyond_limits, routing_data
 from ..stages.options import StagedOptions
 from ..stages.path_planning import path_planning
@@ -38,7 +44,7 @@ from ..stages.requirement_analysis import missing_capabilities, requirement_anal
 from ..stages.scouting import scout_mission
 from ..stages.situation import Situation, Stop
 from . import greedy, ssi
-from .support.improvement import check_objective, stops_of
+from .support.improvement import stops_of
 from .support.planner import Planner, Stopwatch
 from .support.record import assemble
 
@@ -54,21 +60,22 @@ LEAST_SECONDS = 5.0
 def run(
     instance: Instance,
     *,
-    objective: Objective = "total_time",
+    objective: str = DEFAULT,
     time_limit: float = 60.0,
     gap: float = 0.0,
     seed: int = 0,
     endurance: float | None = None,
     longest_walk: float | None = None,
     return_to_start: bool = False,
-    report: Report | None = None,
+    parameters: Parameters | Mapping[str, Any] | None = None,
+    callbacks: Callbacks | None = None,
 ) -> Plan:
     """Plan `instance` as well as the time allows, with a proven bound.
 
     Parameters
     ----------
-    objective : {"total_time", "makespan", "latency"}
-        What to minimise.
+    objective : str
+        What to minimise; one of `routing.objectives.OBJECTIVES`.
     time_limit : float
         Seconds.
     gap : float
@@ -81,15 +88,17 @@ def run(
         Most cells that a robot may walk.
     return_to_start : bool
         Whether robots walk back after their last visit.
-    report : callable, optional
-        Called with routes, value, bound and what happened, whenever one of them got better.
+    parameters : Parameters or mapping, optional
+        Tuning parameters of the methods; see `routing.parameters`.
+    callbacks : Callbacks, optional
+        Told of what the search does.
 
     Raises
     ------
     InputError
         If an option is wrong, or no plan that keeps to the robots' limits exists or is found.
     """
-    check_objective(objective)
+    aim, tuned = objective_of(objective), Parameters.of(parameters)
     for name, number in {"time_limit": time_limit, "gap": gap}.items():
         if not number >= 0:
             raise InputError(f"{number!r}; give 0 or more", field=name)
@@ -112,7 +121,16 @@ def run(
     # Until it is returned: a plan that is worked out is not lost to a late Ctrl-C.
     with interruptible():
         with watch("joint problem"):
-            routes, bound = _solve(situation, data, objective, time_limit, gap, seed, report)
+            stop = MaximumRuntime(time_limit) | RelativeGap(gap) | Interruption(interrupted)
+            progress = Progress(
+                data,
+                aim,
+                _first(situation, data, aim, stop),
+                stop=stop,
+                callbacks=callbacks,
+            )
+            bound = _solve(progress, seed, tuned)
+            routes = progress.routes
         with watch("path planning"):
             legs = path_planning(known, stops_of(situation, routes, STAGE))
             if return_to_start:
@@ -122,20 +140,21 @@ def run(
             known,
             planner=PLANNER.name,
             options={
-                "objective": objective,
+                "objective": aim.name,
                 "time_limit": time_limit,
                 "gap": gap,
                 "seed": seed,
                 "endurance": endurance,
                 "longest_walk": longest_walk,
                 "return_to_start": return_to_start,
+                **({"parameters": changed} if (changed := tuned.changed()) else {}),
             },
             routes=legs,
             missing=missing,
             report=scouting,
             seconds=watch.seconds,
         )
-        certificate = _certificate(known, data, routes, objective, bound)
+        certificate = _certificate(known, data, routes, aim, bound)
         return plan.model_copy(
             update={
                 "unserved": (*plan.unserved, *_beyond_limits(situation, data)),
@@ -144,48 +163,31 @@ def run(
         )
 
 
-def _solve(
-    situation: Situation,
-    data: RoutingData,
-    objective: Objective,
-    time_limit: float,
-    gap: float,
-    seed: int,
-    report: Report | None,
-) -> tuple[Routes, Bound]:
-    began = time.monotonic()
-
-    def left() -> float:
-        return max(time_limit - (time.monotonic() - began), 0.0)
-
-    routes = _first(situation, data, objective, time_limit)
+def _solve(progress: Progress, seed: int, parameters: Parameters) -> Bound:
+    """Improve the incumbent for a while, then close in from both sides."""
+    data = progress.data
     if not data.required.any():
-        return routes, Bound(0.0, "combinatorial")
-    lower = latency_bound(data) if objective == "latency" else 0.0
-    closed = relative_gap(value(data, routes, objective), lower) <= max(gap, 1e-9)
-    if not closed and left() > 0:
+        return Bound(0.0, "combinatorial")
+    progress.bound_at_once()
+    if not progress.done():
         # Small missions are proven sooner than a search of seconds is worth.
-        seconds = min(SHARE_OF_SEARCH * left(), SEARCH_PER_VICTIM * data.n_victims)
-        routes = improve(
-            data, routes, objective, seconds=seconds, seed=seed, should_stop=interrupted
+        seconds = min(SHARE_OF_SEARCH * progress.left(), SEARCH_PER_VICTIM * data.n_victims)
+        progress.begin("ruin and recreate")
+        progress.offer(
+            ruin_and_recreate(
+                data,
+                progress.routes,
+                progress.objective,
+                stop=progress.until_done(seconds),
+                seed=seed,
+                parameters=parameters.heuristics,
+            )
         )
-    search = (
-        partial(search_latency, data)
-        if objective == "latency"
-        else partial(strong_bound, data, objective)
-    )
-    return search(
-        routes,
-        time_limit=left(),
-        gap=gap,
-        seed=seed,
-        report=report,
-        should_stop=interrupted,
-    )
+    return close_in(progress, seed=seed, parameters=parameters)
 
 
 def _first(
-    situation: Situation, data: RoutingData, objective: Objective, time_limit: float
+    situation: Situation, data: RoutingData, objective: Objective, stop: StoppingCriterion
 ) -> Routes:
     """The best of the quick planners' routes that keep to the limits, or else any that do."""
     found: list[Routes] = []
@@ -195,8 +197,8 @@ def _first(
             found.append(routes)
     if not found:
         # The quick planners do not know of limits.
-        return _by_model(data, max(time_limit, LEAST_SECONDS))
-    return min(found, key=lambda routes: value(data, routes, objective))
+        return _by_model(data, max(stop.seconds_left(), LEAST_SECONDS))
+    return min(found, key=lambda routes: objective.value(data, routes))
 
 
 def _by_model(data: RoutingData, seconds: float) -> Routes:
@@ -251,14 +253,14 @@ def _beyond_limits(situation: Situation, data: RoutingData) -> list[Unserved]:
 def _certificate(
     known: Instance, data: RoutingData, routes: Routes, objective: Objective, bound: Bound
 ) -> Certificate:
-    worth = value(data, routes, objective)
+    worth = objective.value(data, routes)
     opening = relative_gap(worth, bound.value)
     program = bound.program
     return Certificate(
         stage=STAGE_OF_BOUNDS,
-        model=objective,
-        sense="min",
-        solver="strong method" if objective != "latency" else "column generation",
+        model=objective.name,
+        sense=objective.sense,
+        solver=objective.method,
         version="",
         status="optimal" if opening <= 1e-6 else "feasible",
         objective=worth,

@@ -56,8 +56,3 @@ class Bound:
         if self.program is None or self.prices is None:
             return None
         return dual_bound(self.program, self.prices)
-
-
-def gap(value: float, bound: float) -> float:
-    """Relative gap of an answer: the share of its value that the bound leaves open, 0 to 1."""
-    return max(0.0, value - bound) / abs(value) if value else 0.0

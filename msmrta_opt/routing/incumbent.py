@@ -1,18 +1,18 @@
-"""Incumbent, bound and clock of a search: what both exact methods keep."""
+"""Incumbent and bound of a search: what every method keeps."""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from functools import cached_property
 
-from ..mission.errors import SolverError
-from .bound import Proof, gap
-from .objective_step import Grain
-from .problem import Objective, Routes, RoutingData, faults, value
-
-Report = Callable[[Routes, float, float, str], None]
-"""Called with routes, their value, the bound, and what has just happened."""
+from ..mission.errors import InputError, SolverError
+from .bound import Proof
+from .callbacks import Callbacks, SearchState
+from .objective_step import ObjectiveStep, objective_step
+from .objectives import Objective, objective_of
+from .problem import Routes, RoutingData, faults
+from .stop import Interruption, StoppingCriterion, relative_gap
 
 ROUNDING = 1e-6
 """Relative difference up to which values are the same."""
@@ -21,60 +21,83 @@ ROUNDING = 1e-6
 class Progress:
     """What is known so far; it only gets better.
 
-    Bounds are rounded up to values of `grain`, after being lowered by the share `leeway` for sums of
-    floats.
+    Parameters
+    ----------
+    data : RoutingData
+        The joint problem.
+    objective : str or Objective
+        What to minimise; one of `objectives.OBJECTIVES`.
+    incumbent : Routes
+        Feasible routes to begin with.
+    stop : StoppingCriterion, optional
+        When to end the search; by default only once the gap is closed.
+    callbacks : Callbacks, optional
+        Told of what the search does.
+
+    Raises
+    ------
+    InputError
+        If `incumbent` is not feasible, or there is no such objective.
     """
 
     def __init__(
         self,
         data: RoutingData,
-        objective: Objective,
+        objective: str | Objective,
         incumbent: Routes,
-        grain: Grain,
         *,
-        leeway: float = 0.0,
-        time_limit: float,
-        gap: float,
-        report: Report | None,
-        should_stop: Callable[[], bool] | None,
+        stop: StoppingCriterion | None = None,
+        callbacks: Callbacks | None = None,
     ) -> None:
-        self.data, self.objective, self.gap = data, objective, gap
+        if wrong := faults(data, incumbent):
+            raise InputError(f"not feasible: {wrong[0]}", field="incumbent")
+        self.data, self.objective = data, objective_of(objective)
+        self.stop, self.callbacks = stop or StoppingCriterion(), callbacks or Callbacks()
         self.began = time.monotonic()
-        self.until = self.began + time_limit
-        self.report, self.should_stop = report, should_stop or (lambda: False)
-        self.grain, self.leeway = grain, leeway
-        self.routes, self.value = incumbent, value(data, incumbent, objective)
+        self.routes, self.value = incumbent, self.objective.value(data, incumbent)
         self.bound = -math.inf
         self.proof: Proof = "combinatorial"
+        self.leeway = 0.0
+        """Share by which bounds are lowered before they are rounded up, for sums of floats."""
 
-    def left(self) -> float:
-        """Seconds left."""
-        return self.until - time.monotonic()
+    @cached_property
+    def step(self) -> ObjectiveStep:
+        """Which values the objective can take."""
+        return objective_step(self.data, self.objective)
 
     def spent(self) -> float:
         """Seconds spent."""
         return time.monotonic() - self.began
 
+    def left(self) -> float:
+        """Seconds left; none once someone asked to stop."""
+        return self.stop.seconds_left()
+
     def open(self) -> float:
         """Share of the incumbent's value that the bound leaves open."""
-        return gap(self.value, self.bound)
-
-    def closed(self) -> bool:
-        """Whether that is little enough."""
-        return self.open() <= max(self.gap, ROUNDING)
+        return relative_gap(self.value, self.bound)
 
     def done(self) -> bool:
-        """Whether to stop: gap, time, or because someone asked."""
-        return self.closed() or self.left() <= 0 or self.should_stop()
+        """Whether the gap is closed or the criterion met."""
+        return self.open() <= ROUNDING or self.stop.met(gap=self.open())
+
+    def until_done(self, seconds: float = math.inf) -> StoppingCriterion:
+        """The criterion of a search within this one: `seconds`, or until this one is done."""
+        return (self.stop | Interruption(self.done)).within(seconds)
 
     def better(self) -> float:
-        """What answers are worth at most that are better than the incumbent."""
-        return self.grain.below(self.value)
+        """What routes that are better than the incumbent are worth at most."""
+        return self.step.below(self.value)
+
+    def bound_at_once(self) -> None:
+        """Begin with the objective's combinatorial bound, unless there is a bound already."""
+        if self.bound == -math.inf:
+            self.raise_bound(self.objective.bound(self.data), "combinatorial")
 
     def raise_bound(self, bound: float, proof: Proof, *, of_better: bool = False) -> None:
         """A new bound, rounded up to a possible value.
 
-        If it is only one of answers better than the incumbent, it may come out above it: then there
+        If it is only one of routes better than the incumbent, it may come out above it: then there
         are none.
         """
         bound = self.possible(bound)
@@ -85,21 +108,21 @@ class Progress:
         bound = min(bound, self.value)
         if bound > self.bound + ROUNDING:
             self.bound, self.proof = bound, proof
-            self.tell(proof)
+            self.callbacks.bound_raised(self.state(), proof)
 
-    def hopeless(self, bound: float) -> bool:
-        """Whether answers worth at least `bound` are no better than the incumbent."""
+    def can_be_pruned(self, bound: float) -> bool:
+        """Whether routes worth at least `bound` are no better than the incumbent."""
         return self.possible(bound) > self.better() + ROUNDING
 
     def possible(self, bound: float) -> float:
-        """The least possible value from `bound` on, with the leeway."""
-        return self.grain.up(bound * (1.0 - self.leeway))
+        """The smallest possible value from `bound` on, with the leeway."""
+        return self.step.up(bound * (1.0 - self.leeway))
 
     def offer(self, routes: Routes) -> bool:
         """Routes that may be better than the incumbent; whether they are."""
         if faults(self.data, routes):
             return False
-        worth = value(self.data, routes, self.objective)
+        worth = self.objective.value(self.data, routes)
         if worth >= self.value - ROUNDING:
             return False
         if worth < self.bound - ROUNDING * max(1.0, abs(worth)):
@@ -108,10 +131,13 @@ class Progress:
             )
         self.routes, self.value = routes, worth
         self.bound = min(self.bound, worth)
-        self.tell("better routes")
+        self.callbacks.incumbent_found(self.state())
         return True
 
-    def tell(self, what: str) -> None:
-        """Report the state."""
-        if self.report is not None:
-            self.report(self.routes, self.value, self.bound, what)
+    def begin(self, phase: str) -> None:
+        """Tell what happens now."""
+        self.callbacks.phase_began(self.state(), phase)
+
+    def state(self) -> SearchState:
+        """How far the search has come."""
+        return SearchState(self.routes, self.value, self.bound)

@@ -1,4 +1,4 @@
-"""The joint problem in arrays, its answers, and what they are worth.
+"""The joint problem in arrays, its solutions, and when things happen on them.
 
 Serve every requirement exactly once; a victim may be split over robots, a robot may serve several
 requirements in one visit and visits a victim at most once; routes are open, from the start cells,
@@ -10,13 +10,11 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
 from ..arrays import Bools, Floats, Ints, own_arrays, require_finite
 
-Objective = Literal["total_time", "makespan", "latency"]
 Visit = tuple[int, tuple[int, ...]]
 """A victim, and the kinds served there."""
 Routes = tuple[tuple[Visit, ...], ...]
@@ -100,7 +98,7 @@ class RoutingData:
 
     @property
     def total_service(self) -> float:
-        """Service time of all requirements: part of every answer's total time."""
+        """Service time of all requirements: part of the total time of all routes."""
         return float(self.service[self.required].sum())
 
 
@@ -133,20 +131,6 @@ def times(data: RoutingData, routes: Routes) -> Times:
             travel[r] += data.back[r, last]
             busy[r] += data.back[r, last]
     return Times(travel, busy, completion)
-
-
-def value(data: RoutingData, routes: Routes, objective: Objective) -> float:
-    """What `routes` are worth: to be minimised.
-
-    ``total_time`` sums the robots' travel and service, ``makespan`` is when the last robot is done,
-    ``latency`` sums the victims' completion times, weighted by priority.
-    """
-    at = times(data, routes)
-    if objective == "total_time":
-        return float(at.busy.sum())
-    if objective == "makespan":
-        return float(at.busy.max(initial=0.0))
-    return float(data.priority @ at.completion)
 
 
 def faults(data: RoutingData, routes: Routes) -> list[str]:

@@ -24,7 +24,7 @@ from msmrta_opt.mission.plan import Plan
 from msmrta_opt.mission.proof import LatencyProof
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.planners.support.explicit_model import problem_of
-from msmrta_opt.routing.branch_and_price.queue_bound import latency_bound
+from msmrta_opt.routing.combinatorial_bounds import latency_bound
 
 MAPS = Path(__file__).parents[2] / "instances" / "maps"
 KIND = "FirstAids"

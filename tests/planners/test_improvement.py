@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,18 +14,18 @@ from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan, Reason
 from msmrta_opt.planners import plan, planners
-from msmrta_opt.planners.support.improvement import OBJECTIVES, improve_plan
-from msmrta_opt.routing.heuristics import ruin_and_recreate as local_search
-from msmrta_opt.routing.problem import Objective
+from msmrta_opt.planners.support.improvement import improve_plan
+from msmrta_opt.routing.objectives import OBJECTIVES
 
 PLANNERS = ("greedy", "mrga", "msmrta", "random", "ssi")
 ROOMS = grid_from_rows(["...@....", ".@.@.@..", ".@...@..", ".@@@.@@.", "........"])
 
 
-@pytest.fixture(autouse=True)
-def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Enough steps for small missions."""
-    monkeypatch.setattr(local_search, "ITERATIONS", 300)
+# Enough iterations for small missions.
+BRIEFLY: dict[str, Any] = {
+    "improve": True,
+    "parameters": {"heuristics": {"default_iterations": 300}},
+}
 
 
 @pytest.fixture
@@ -46,7 +47,7 @@ def twice() -> Instance:
     )
 
 
-def worth(made: Plan, objective: Objective) -> float:
+def worth(made: Plan, objective: str) -> float:
     return float(getattr(made.metrics, objective))
 
 
@@ -57,12 +58,12 @@ def visits(made: Plan) -> list[int]:
 @pytest.mark.parametrize("objective", OBJECTIVES)
 @pytest.mark.parametrize("planner", PLANNERS)
 def test_an_improved_plan_holds_serves_the_same_and_is_never_worse(
-    planner: str, objective: Objective
+    planner: str, objective: str
 ) -> None:
     for seed in range(4):
         mission = random_mission(ROOMS, 3, 7, seed=seed)
         before = planners()[planner].run(mission)
-        after = plan(mission, planner=planner, improve=True, objective=objective)
+        after = plan(mission, planner=planner, **BRIEFLY, objective=objective)
         assert problems(after) == []
         assert worth(after, objective) <= worth(before, objective) + 1e-9
         assert after.unserved == before.unserved
@@ -72,14 +73,14 @@ def test_an_improved_plan_holds_serves_the_same_and_is_never_worse(
 
 @pytest.mark.parametrize("planner", PLANNERS)
 def test_the_same_seed_improves_to_the_same_plan(planner: str, paper: Instance) -> None:
-    first, again = (plan(paper, planner=planner, improve=True, seed=2) for _ in range(2))
+    first, again = (plan(paper, planner=planner, **BRIEFLY, seed=2) for _ in range(2))
     assert first.same_as(again)
     assert plan(paper, planner=planner, **first.options).same_as(first)
 
 
 def test_a_random_plan_is_much_improved_on_the_papers_mission(paper: Instance) -> None:
     before = plan(paper, planner="random")
-    after = plan(paper, planner="random", improve=True)
+    after = plan(paper, planner="random", **BRIEFLY)
     assert worth(after, "total_time") < 0.9 * worth(before, "total_time")
 
 
@@ -88,7 +89,7 @@ def test_a_robots_repeated_visits_are_joined(twice: Instance) -> None:
     before = plan(twice, planner="mrga")
     assert visits(before) == [0, 1, 0]
     assert worth(before, "total_time") == 105
-    after = plan(twice, planner="mrga", improve=True)
+    after = plan(twice, planner="mrga", **BRIEFLY)
     assert sorted(visits(after)) == [0, 1]
     assert worth(after, "total_time") == 104
 
@@ -100,7 +101,7 @@ def test_joining_visits_is_undone_where_it_would_be_worse(twice: Instance) -> No
     assert worth(before, "latency") == 109
     unchanged = plan(twice, planner="mrga", improve=0.0, objective="latency")
     assert unchanged.routes == before.routes
-    after = plan(twice, planner="mrga", improve=True, objective="latency")
+    after = plan(twice, planner="mrga", **BRIEFLY, objective="latency")
     assert visits(after) == [1, 0]
     assert worth(after, "latency") == 108
 
@@ -115,7 +116,7 @@ def test_seconds_may_be_given(paper: Instance) -> None:
 def test_victims_that_the_scouts_do_not_find_stay_unserved(instances_dir: Path) -> None:
     mission = Instance.read(instances_dir / "scouted.json")
     for planner in PLANNERS:
-        made = plan(mission, planner=planner, improve=True)
+        made = plan(mission, planner=planner, **BRIEFLY)
         assert problems(made) == []
         assert visits(made) == [0]
         assert [(item.victim, item.reason) for item in made.unserved] == [(1, Reason.NOT_FOUND)]
@@ -128,7 +129,7 @@ def test_a_plan_without_visits_stays_as_it_is(instances_dir: Path) -> None:
 
 
 def test_improved_visits_say_so_and_the_record_says_how(paper: Instance) -> None:
-    made = plan(paper, planner="random", improve=True, objective="latency")
+    made = plan(paper, planner="random", **BRIEFLY, objective="latency")
     assert {visit.stage for route in made.routes for visit in route.visits} == {"improved"}
     assert (made.options["improve"], made.options["objective"]) == (True, "latency")
     assert "improvement" in made.planning_seconds

@@ -16,8 +16,9 @@ from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.optimise.check import violations
 from msmrta_opt.optimise.solve import compile_for
-from msmrta_opt.planners.support.explicit_model import MODELS, problem_of, solve_explicitly
+from msmrta_opt.planners.support.explicit_model import problem_of, solve_explicitly
 from msmrta_opt.planners.support.mip_start import mip_start
+from msmrta_opt.routing.objectives import OBJECTIVES
 from msmrta_opt.routing.problem import RoutingData
 
 MAPS = Path(__file__).parents[2] / "instances" / "maps"
@@ -42,12 +43,12 @@ def planned(planner: str) -> Plan:
     return mo.plan(mission(), planner=planner)
 
 
-@pytest.mark.parametrize("objective", MODELS)
+@pytest.mark.parametrize("objective", OBJECTIVES)
 @pytest.mark.parametrize("planner", PLANNERS)
 def test_a_start_is_a_point_of_the_model_worth_what_the_plan_is(
     planner: str, objective: str
 ) -> None:
-    model, parameters = MODELS[objective]
+    model, parameters = OBJECTIVES[objective].model
     plan = planned(planner)
     program = compile_for(model, problem()).program(**parameters)
     x = program.flat(mip_start(plan, problem(), model))
@@ -149,7 +150,7 @@ def lookalike() -> object:
     return Formulation("lookalike", Path("lookalike.py"), spec, "", build)
 
 
-@pytest.mark.parametrize("objective", MODELS)
+@pytest.mark.parametrize("objective", OBJECTIVES)
 def test_the_explicit_model_proves_a_small_plan_again(objective: str) -> None:
     plan = mo.plan(small().instance, planner="exact", objective=objective, time_limit=1)  # type: ignore[arg-type]
     solution = solve_explicitly(plan, objective)

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msmrta_opt.routing.problem import Routes, RoutingData, faults, times, value
+from msmrta_opt.routing.objectives import value
+from msmrta_opt.routing.problem import Routes, RoutingData, faults, times
 
 ROUTES: Routes = (((0, (0,)), (1, (0,))), ((2, (0,)), (1, (1,))))
 

@@ -12,10 +12,10 @@ from itertools import permutations, product
 
 import numpy as np
 
-from msmrta_opt.routing.problem import Objective, RoutingData
+from msmrta_opt.routing.problem import RoutingData
 
 
-def least(data: RoutingData, objective: Objective) -> float:
+def least(data: RoutingData, objective: str) -> float:
     """The best value of any routes; infinite if the limits allow none."""
     if objective == "latency":
         return _least_latency(data)

@@ -15,11 +15,12 @@ from support.small_cases import dense_case
 from msmrta_opt.optimise.data import ClusterData, ClusteringData, VictimData
 from msmrta_opt.optimise.registry import get
 from msmrta_opt.optimise.solution import Solution
-from msmrta_opt.routing.problem import Objective, Routes, RoutingData, faults, value
+from msmrta_opt.routing.objectives import value
+from msmrta_opt.routing.problem import Routes, RoutingData, faults
 
 ANSWER = {"clustering": ("y", "median"), "cluster": ("x",), "victim": ("x",), "joint": ("x", "y")}
 """The binary variables that make an answer, by stage; of routes see `routes_of`."""
-WEIGHTS: dict[str, dict[Objective, dict[str, float]]] = {
+WEIGHTS: dict[str, dict[str, dict[str, float]]] = {
     "joint_routing_flow": {"total_time": {"w": 0}, "makespan": {"w": 1}},
     "joint_routing_mtz": {
         "total_time": {"w_total": 1, "w_makespan": 0, "w_latency": 0},
@@ -81,7 +82,7 @@ def _by_answers(name: str, data: Any, parameters: dict[str, float]) -> Question:
     )
 
 
-def _about_routes(data: RoutingData, objective: Objective, weights: dict[str, float]) -> Question:
+def _about_routes(data: RoutingData, objective: str, weights: dict[str, float]) -> Question:
     def worth(solution: Solution) -> float | None:
         routes = routes_of(solution)
         return None if faults(data, routes) else value(data, routes, objective)

@@ -5,31 +5,19 @@ Another program, of directed arcs and without cuts, for a second opinion on what
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Any
-
 from ...mission.plan import Plan
 from ...optimise.solution import Solution
 from ...optimise.solve import solve
 from ...optimise.solvers import get
+from ...routing.objectives import objective_of
 from ...routing.problem import RoutingData
 from ...stages.joint_routing import routing_data
 from ...stages.situation import Situation
 from .mip_start import mip_start
 
-MODELS: Mapping[str, tuple[str, dict[str, Any]]] = MappingProxyType(
-    {
-        "total_time": ("joint_routing_flow", {"w": 0.0}),
-        "makespan": ("joint_routing_flow", {"w": 1.0}),
-        "latency": ("joint_routing_mtz", {"w_total": 0.0, "w_makespan": 0.0, "w_latency": 1.0}),
-    }
-)
-"""By objective, the formulation and its parameters."""
-
 
 def problem_of(plan: Plan) -> RoutingData:
-    """The joint problem that `plan` answers, with the limits that its options name."""
+    """The joint problem that `plan` solves, with the limits that its options name."""
     return routing_data(
         Situation.of(plan.known),
         endurance=plan.limits.get("endurance"),
@@ -41,21 +29,21 @@ def problem_of(plan: Plan) -> RoutingData:
 def solve_explicitly(
     plan: Plan, objective: str, *, solver: str | None = None, time_limit: float | None = None
 ) -> Solution:
-    """The explicit model of the problem that `plan` answers, with the plan as MIP start.
+    """The explicit model of the problem that `plan` solves, with the plan as MIP start.
 
     Parameters
     ----------
     plan : Plan
         One that passes its check.
-    objective : {"total_time", "makespan", "latency"}
-        What to minimise.
+    objective : str
+        What to minimise; one of `routing.objectives.OBJECTIVES`.
     solver : str, optional
         Its name; HiGHS by default.
     time_limit : float, optional
         Seconds.
     """
     data = problem_of(plan)
-    model, parameters = MODELS[objective]
+    model, parameters = objective_of(objective).model
     name = solver or "highs"
     start = mip_start(plan, data, model) if "start" in get(name).abilities else None
     return solve(model, data, solver=name, time_limit=time_limit, start=start, **parameters)

@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...mission.errors import InputError
 from ...mission.plan import Plan
-from ...routing.heuristics.ruin_and_recreate import improve
-from ...routing.problem import Objective, Routes
+from ...routing.heuristics.ruin_and_recreate import ruin_and_recreate
+from ...routing.objectives import DEFAULT, objective_of
+from ...routing.parameters import Parameters
+from ...routing.problem import Routes
+from ...routing.stop import AnyOf, MaximumIterations, MaximumRuntime, StoppingCriterion
 from ...stages.joint_routing import routing_data
 from ...stages.path_planning import path_planning
 from ...stages.situation import Situation, Stop
 from .planner import Stopwatch
 
 STAGE = "improved"
-OBJECTIVES: tuple[Objective, ...] = ("total_time", "makespan", "latency")
 
 
 def improve_plan(
     plan: Plan,
     *,
-    objective: Objective = "total_time",
+    objective: str = DEFAULT,
     seconds: float | None = None,
     iterations: int | None = None,
     seed: int = 0,
+    parameters: Parameters | Mapping[str, Any] | None = None,
 ) -> Plan:
     """A plan that serves the same, and is no worse by `objective`.
 
@@ -32,18 +35,23 @@ def improve_plan(
     ----------
     plan : Plan
         Any planner's.
-    objective : {"total_time", "makespan", "latency"}
-        What to improve.
-    seconds, iterations, seed
-        As in `local_search.improve`; by default a fixed number of steps, so that the result can be
-        repeated.
+    objective : str
+        What to improve; one of `routing.objectives.OBJECTIVES`.
+    seconds : float, optional
+        Wall time to spend; the result then depends on the machine's speed.
+    iterations : int, optional
+        Iterations to make; by default a fixed number, so that the result can be repeated.
+    seed : int
+        Of all random choices.
+    parameters : Parameters or mapping, optional
+        How to search; see `routing.parameters`.
 
     Raises
     ------
     InputError
         If there is no such objective, or the plan keeps to limits, which the search does not know.
     """
-    check_objective(objective)
+    aim, tuned = objective_of(objective), Parameters.of(parameters)
     if plan.limits:
         raise InputError(
             f"the plan keeps to {', '.join(plan.limits)}; ask the exact planner for a better one",
@@ -56,17 +64,20 @@ def improve_plan(
     with watch("improvement"):
         situation = Situation.of(known)
         data = routing_data(situation)
-        found = improve(
-            data,
-            routes_of(plan),
-            objective,
-            seconds=seconds,
-            iterations=iterations,
-            seed=seed,
+        limits: list[StoppingCriterion] = []
+        if seconds is not None:
+            limits.append(MaximumRuntime(seconds))
+        if iterations is not None:
+            limits.append(MaximumIterations(iterations))
+        stop = AnyOf(*limits) if limits else None
+        found = ruin_and_recreate(
+            data, routes_of(plan), aim, stop=stop, seed=seed, parameters=tuned.heuristics
         )
         routes = path_planning(known, stops_of(situation, found, STAGE))
     spent = seconds if seconds is not None else iterations
-    options = {**plan.options, "improve": True if spent is None else spent, "objective": objective}
+    options = {**plan.options, "improve": True if spent is None else spent, "objective": aim.name}
+    if changed := tuned.changed():
+        options["parameters"] = changed
     changes: dict[str, Any] = {
         "routes": routes,
         "options": options,
@@ -75,17 +86,7 @@ def improve_plan(
     # Validated anew, since figures that the old plan has worked out must not stay with it.
     fields = {name: getattr(plan, name) for name in Plan.model_fields}
     better = Plan.model_validate({**fields, **changes})
-    return better if _value(better, objective) <= _value(plan, objective) else plan
-
-
-def _value(plan: Plan, objective: Objective) -> float:
-    return float(getattr(plan.metrics, objective))
-
-
-def check_objective(objective: str) -> None:
-    """Refuse an objective that there is not."""
-    if not isinstance(objective, str) or objective not in OBJECTIVES:
-        raise InputError(f"{objective!r}; give one of {', '.join(OBJECTIVES)}", field="objective")
+    return better if aim.of_plan(better.metrics) <= aim.of_plan(plan.metrics) else plan
 
 
 def routes_of(plan: Plan) -> Routes:

@@ -37,8 +37,9 @@ from scipy.sparse import csr_array, vstack
 from ...arrays import Bools, Floats, Ints
 from ...mission.errors import InputError
 from ...optimise.program import Block, Program
-from ..objective_step import granularity
-from ..problem import Objective, Routes, RoutingData, value
+from ..objective_step import objective_step
+from ..objectives import Objective, objective_of
+from ..problem import Routes, RoutingData
 from .rows import Rows
 from .separation import Cut
 
@@ -68,18 +69,21 @@ class Columns:
     """Weight of each robot's time beside the makespan in `guide`; 0 for total time."""
 
     @classmethod
-    def of(cls, data: RoutingData, objective: Objective, upper_value: float) -> Columns:
+    def of(cls, data: RoutingData, objective: str | Objective, upper_value: float) -> Columns:
         """The columns of `data`.
 
         Raises
         ------
         InputError
-            If the objective is neither total time nor makespan: latency has no such program.
+            If it does not state the objective.
         """
-        if objective not in ("total_time", "makespan"):
-            raise InputError(f"{objective!r}; give 'total_time' or 'makespan'", field="objective")
+        objective = objective_of(objective)
+        if objective.method != "branch and cut":
+            raise InputError(
+                f"{objective.name!r} is solved by {objective.method}", field="objective"
+            )
         pairs = np.argwhere(data.can_visit)
-        loads = objective == "makespan" or bool(np.isfinite(data.endurance).any())
+        loads = objective.only_last or bool(np.isfinite(data.endurance).any())
         services = np.empty((0, 2), dtype=np.int64)
         if loads:
             services = np.argwhere(data.able[pairs[:, 0], pairs[:, 1]])
@@ -89,9 +93,9 @@ class Columns:
             i, j = np.triu_indices(len(own), 1)
             edges.append(np.column_stack([np.full(len(i), r), own[i], own[j]]))
         attention = 0.0
-        if objective == "makespan":
+        if objective.only_last:
             # All times together weigh less than half a grain: they never outweigh the makespan.
-            step = granularity(data, objective).step
+            step = objective_step(data, objective).step
             share = step / (2.0 * max(upper_value, step)) if step else ATTENTION
             attention = min(share, ATTENTION) / data.n_robots
         every = np.concatenate(edges)
@@ -106,7 +110,7 @@ class Columns:
     def blocks(self) -> tuple[Block, ...]:
         """The named columns."""
         named = [("y", self.n_pairs), ("f", self.n_pairs), ("l", self.n_pairs)]
-        named += [("a", len(self.services)), ("T", int(self.objective == "makespan"))]
+        named += [("a", len(self.services)), ("T", int(self.objective.only_last))]
         named += [("e", len(self.edges))]
         starts = np.cumsum([0, *(size for _, size in named)])
         return tuple(
@@ -159,13 +163,13 @@ class Columns:
         """Robot of each column, -1 for ``T``, ``(n_columns,)``."""
         of_pair = self.pairs[:, 0]
         of_service = of_pair[self.services[:, 0]]
-        nobody = np.full(int(self.objective == "makespan"), -1)
+        nobody = np.full(int(self.objective.only_last), -1)
         return np.concatenate([of_pair, of_pair, of_pair, of_service, nobody, self.edges[:, 0]])
 
     @cached_property
     def cost(self) -> Floats:
         """Objective without `offset`, ``(n_columns,)``."""
-        if self.objective == "total_time":
+        if self.objective.service_is_constant:
             return self.travel
         cost = np.zeros(self.n_columns)
         cost[self.start("T")] = 1.0
@@ -183,7 +187,7 @@ class Columns:
 
     def worth(self, x: Floats) -> float:
         """The objective at an integral point, ``(n_columns,)``."""
-        if self.objective == "total_time":
+        if self.objective.service_is_constant:
             return float(self.cost @ x) + self.offset
         moves = self.robot >= 0
         return float(
@@ -206,13 +210,13 @@ class Columns:
     @property
     def offset(self) -> float:
         """What every answer costs: all service, for total time."""
-        return self.data.total_service if self.objective == "total_time" else 0.0
+        return self.data.total_service if self.objective.service_is_constant else 0.0
 
     @cached_property
     def upper(self) -> Floats:
         """Upper bounds of the columns, ``(n_columns,)``; the lower ones are 0."""
         upper = np.ones(self.n_columns)
-        if self.objective == "makespan":
+        if self.objective.only_last:
             upper[self.start("T")] = self.upper_value
         return upper
 
@@ -220,7 +224,7 @@ class Columns:
     def integer(self) -> Bools:
         """All columns but ``T``, ``(n_columns,)``."""
         integer = np.ones(self.n_columns, dtype=bool)
-        if self.objective == "makespan":
+        if self.objective.only_last:
             integer[self.start("T")] = False
         return integer
 
@@ -289,7 +293,7 @@ class Columns:
             used = np.flatnonzero((self.robot >= 0) & (time != 0) & (row[self.robot] >= 0))
             below = np.full(len(limited), -np.inf)
             rows.add(row[self.robot[used]], used, time[used], below, most[limited])
-        if self.objective == "makespan":
+        if self.objective.only_last:
             used = np.flatnonzero((self.robot >= 0) & (self.busy != 0))
             robots = np.arange(data.n_robots)
             rows.add(
@@ -352,8 +356,8 @@ class Columns:
             if route:
                 x[f + self.pair_of[r, route[0][0]]] = 1.0
                 x[last + self.pair_of[r, route[-1][0]]] = 1.0
-        if self.objective == "makespan":
-            x[self.start("T")] = value(self.data, routes, "makespan")
+        if self.objective.only_last:
+            x[self.start("T")] = self.objective.value(self.data, routes)
         return x
 
     def program(self, cuts: list[Cut]) -> Program:

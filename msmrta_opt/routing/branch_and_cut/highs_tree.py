@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import vstack
 
 from ...arrays import Floats
-from ..objective_step import granularity
+from ..objective_step import objective_step
 from ..problem import Routes
 from .edge_formulation import Columns
 from .extraction import point_supports, routes_of
@@ -38,8 +38,8 @@ def resolve(
     go_on: Callable[[float], bool] = lambda bound: True,
     more: Sequence[Row] = (),
 ) -> Tree:
-    """As `branch_and_cut.branch_and_cut`, by HiGHS."""
-    grain = granularity(columns.data, columns.objective)
+    """As `scip_tree.solve`, by HiGHS."""
+    grain = objective_step(columns.data, columns.objective)
     until = time.monotonic() + time_limit
     known = list(cuts)
     rows = Rows(columns.n_columns)

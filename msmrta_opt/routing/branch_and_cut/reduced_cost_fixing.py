@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Bools, Floats
-from ..objective_step import granularity
+from ..objective_step import objective_step
 from .cutting_plane import Relaxed
 from .edge_formulation import Columns
 
@@ -43,7 +43,7 @@ def fixed(
         A crossed pair never arises: where both sides are excluded, the column keeps its bounds, for
         then no better answer exists and the bound itself says so.
     """
-    better = granularity(columns.data, columns.objective).below(upper)
+    better = objective_step(columns.data, columns.objective).below(upper)
     room = better - relaxed.bound
     low, high = lower_side.copy(), upper_side.copy()
     free = columns.integer & (low < high)

@@ -16,7 +16,7 @@ from ...arrays import Bools
 from ...mission.instance import Instance
 from ...mission.proof import RootProof
 from ..bound import Bound
-from ..objective_step import granularity
+from ..objective_step import objective_step
 from .edge_formulation import Columns, decisive
 from .separation import Cut
 
@@ -46,10 +46,10 @@ def root_proof(instance: Instance, bound: Bound, worth: float) -> RootProof | No
     for cut, price in zip(bound.cuts, prices[n_first:], strict=True):
         name, about = _cut(instance, cut)
         _note(fields, name, about, price)
-    grain = granularity(columns.data, columns.objective)
+    grain = objective_step(columns.data, columns.objective)
     return RootProof.model_validate(
         {
-            "objective": columns.objective,
+            "objective": columns.objective.name,
             "bound": min(grain.up(root), worth),
             "solver": f"highs {version('highspy')}",
             **fields,
@@ -82,7 +82,7 @@ def _first_rows(instance: Instance, columns: Columns) -> Iterator[tuple[str, dic
         yield "present", {"robot": robots[r], "victim": victims[v], "kind": kinds[k]}
     yield from _of_robots("endurance", robots, np.isfinite(data.endurance))
     yield from _of_robots("walk", robots, np.isfinite(data.longest_walk))
-    if columns.objective == "makespan":
+    if columns.objective.only_last:
         yield from _of_robots("makespan", robots, np.ones(data.n_robots, dtype=bool))
 
 

@@ -26,7 +26,7 @@ from pyscipopt import (
 )
 
 from ...arrays import Floats, Ints
-from ..objective_step import granularity
+from ..objective_step import objective_step
 from ..problem import Routes
 from .edge_formulation import Columns
 from .extraction import point_supports, routes_of
@@ -148,7 +148,7 @@ class _Watch(Eventhdlr):  # type: ignore[misc]
             self.model.setObjlimit(self.limit(self.found))
 
 
-def branch_and_cut(
+def solve(
     columns: Columns,
     cuts: tuple[Cut, ...],
     lower: Floats,
@@ -185,13 +185,13 @@ def branch_and_cut(
     more : sequence of Row
         Rows besides, see `narrow`.
     """
-    grain = granularity(columns.data, columns.objective)
+    grain = objective_step(columns.data, columns.objective)
     step = grain.step or 1.0
     model = Model()
     if not verbose:
         model.hideOutput()
     used = np.flatnonzero(upper > 0)
-    scaled = columns.objective == "makespan" and grain.step > 0
+    scaled = columns.objective.only_last and grain.step > 0
     # Who visits whom decides; given that, the routes' relaxation is all but integral.
     priority = np.zeros(columns.n_columns)
     priority[columns.start("a") : columns.start("e")] = 10
@@ -280,7 +280,7 @@ def _add_rows(
     unit: float,
 ) -> None:
     matrix, row_lower, row_upper = columns.rows
-    makespan = columns.start("T") if columns.objective == "makespan" else -1
+    makespan = columns.start("T") if columns.objective.only_last else -1
 
     def add(column: Ints, weight: Floats, low: float, high: float) -> None:
         here = place[column]

@@ -24,14 +24,13 @@ from typing import Protocol
 import numpy as np
 
 from ...arrays import Bools, Floats
-from ...mission.errors import InputError
 from ..bound import Bound
 from ..heuristics.robot_subsets import improve_by_parts
-from ..heuristics.ruin_and_recreate import improve
+from ..heuristics.ruin_and_recreate import ruin_and_recreate
 from ..heuristics.victim_regions import Regions
-from ..incumbent import Progress, Report
-from ..objective_step import granularity
-from ..problem import Objective, Routes, RoutingData, faults
+from ..incumbent import Progress
+from ..parameters import Parameters
+from ..problem import Routes, RoutingData
 from .cutting_plane import Relaxation, Relaxed
 from .edge_formulation import Columns
 from .reduced_cost_fixing import fixed
@@ -75,152 +74,86 @@ class _Search(Protocol):
     ) -> Tree: ...
 
 
-def strong_bound(
-    data: RoutingData,
-    objective: Objective,
-    incumbent: Routes,
-    *,
-    time_limit: float = math.inf,
-    gap: float = 0.0,
-    seed: int = 0,
-    report: Report | None = None,
-    should_stop: Callable[[], bool] | None = None,
-) -> tuple[Routes, Bound]:
-    """The best routes found, and a bound that no routes are better than.
+def branch_and_cut(
+    progress: Progress, *, seed: int = 0, parameters: Parameters | None = None
+) -> Bound:
+    """Close in on the best routes; they are then the incumbent of `progress`.
 
     Parameters
     ----------
-    data : RoutingData
-        The joint problem. Travel times should satisfy the triangle inequality, as walking does:
-        without it answers and bounds hold, but may not meet.
-    objective : {"total_time", "makespan"}
-        What to minimise.
-    incumbent : Routes
-        Feasible routes to begin with; the better they are, the sooner the gap closes.
-    time_limit : float
-        Seconds of wall time.
-    gap : float
-        Stop when this share of the value, 0 to 1, is all that the bound leaves open.
+    progress : Progress
+        The joint problem with feasible routes, and when to stop; the better these routes are, the
+        sooner the gap closes. Travel times should satisfy the triangle inequality, as walking does:
+        without it solutions and bounds hold, but may not meet.
     seed : int
         Of all random choices.
-    report : callable, optional
-        Called whenever the routes or the bound got better.
-    should_stop : callable, optional
-        Asked often; the search ends soon after it says so.
+    parameters : Parameters, optional
+        How to search.
 
     Raises
     ------
     InputError
-        If `incumbent` is not feasible, or the objective is latency.
+        If the edge formulation does not state the objective.
     SolverError
         If a bound exceeds the value of feasible routes: a bug, never to be passed over.
     """
-    if wrong := faults(data, incumbent):
-        raise InputError(f"not feasible: {wrong[0]}", field="incumbent")
-    if objective not in ("total_time", "makespan"):
-        raise InputError(f"{objective!r}; give 'total_time' or 'makespan'", field="objective")
-    run = _Run(data, objective, incumbent, time_limit, gap, seed, report, should_stop)
+    run = _Run(progress, seed, parameters or Parameters())
     run.close_in()
-    return run.routes, run.result()
-
-
-def combinatorial_bound(data: RoutingData, objective: Objective) -> float:
-    """A bound at once: each requirement alone, by whoever is soonest done with it."""
-    alone = _least_ways(data)[:, :, None] + data.service[None]
-    soonest = np.where(data.able, alone, np.inf).min(axis=0, initial=np.inf)[data.required]
-    if objective == "makespan":
-        return float(soonest.max(initial=0.0))
-    travel = soonest - data.service[data.required]
-    return data.total_service + float(travel.max(initial=0.0))
-
-
-def _least_ways(data: RoutingData) -> Floats:
-    """Least travel of r to v and home, by whatever detour, ``(n_robots, n_victims)``.
-
-    Where times satisfy the triangle inequality, as walking does, this is the direct way.
-    """
-    pair = data.can_visit[:, :, None] & data.can_visit[:, None, :]
-    between = np.where(pair, data.between, np.inf)
-    out, back = (np.where(data.can_visit, way, np.inf) for way in (data.leave, data.back))
-    while True:
-        shorter_out = np.minimum(out, (out[:, :, None] + between).min(axis=1))
-        shorter_back = np.minimum(back, (between + back[:, None, :]).min(axis=2))
-        if np.array_equal(shorter_out, out) and np.array_equal(shorter_back, back):
-            return out + back
-        out, back = shorter_out, shorter_back
+    return run.result()
 
 
 def search_tree() -> _Search:
     """Branch and cut by SCIP where it is installed, by HiGHS where not."""
     if importlib.util.find_spec("pyscipopt") is not None:
-        from .scip_tree import branch_and_cut
+        from .scip_tree import solve
 
-        return branch_and_cut
+        return solve
     from .highs_tree import resolve
 
     return resolve
 
 
-class _Run(Progress):
+class _Run:
     """The state of one run."""
 
-    def __init__(
-        self,
-        data: RoutingData,
-        objective: Objective,
-        incumbent: Routes,
-        time_limit: float,
-        gap: float,
-        seed: int,
-        report: Report | None,
-        should_stop: Callable[[], bool] | None,
-    ) -> None:
-        super().__init__(
-            data,
-            objective,
-            incumbent,
-            granularity(data, objective),
-            time_limit=time_limit,
-            gap=gap,
-            report=report,
-            should_stop=should_stop,
-        )
-        self.seed = seed
-        self.columns = Columns.of(data, objective, self.value)
+    def __init__(self, progress: Progress, seed: int, parameters: Parameters) -> None:
+        self.progress, self.data, self.objective = progress, progress.data, progress.objective
+        self.seed, self.parameters = seed, parameters
+        self.columns = Columns.of(self.data, self.objective, progress.value)
         self.relaxed: Relaxed | None = None
         self.seen = np.zeros(self.columns.n_columns, dtype=bool)
-        self.raise_bound(combinatorial_bound(data, objective), "combinatorial")
+        progress.bound_at_once()
 
     def close_in(self, *, whole: bool = True) -> None:
         """Close in from both sides until done; `whole`, if this is no part of another run."""
-        if self.done():
+        if self.progress.done():
             return
         relaxed = self.relax()
         many = whole and self.data.n_robots >= MANY_ROBOTS
         for step in (self.polish, self.seek if many else self.restricted, self.branch):
-            if not self.done():
+            if not self.progress.done():
                 step(relaxed)
 
     def relax(self) -> Relaxed:
         """The root bound."""
-        relaxation = Relaxation(self.columns, routes=self.routes)
+        relaxation = Relaxation(self.columns, routes=self.progress.routes)
         self.relaxed = relaxation.solve(
-            time_limit=self.left(),
+            time_limit=self.progress.left(),
             tolerance=1e-2,
             tail=(15, 2e-5),
-            report=lambda bound: self.raise_bound(bound, "root LP"),
-            should_stop=self.done,
+            report=lambda bound: self.progress.raise_bound(bound, "root LP"),
+            should_stop=self.progress.done,
         )
         self.seen = relaxation.seen
         return self.relaxed
 
     def restricted(self, relaxed: Relaxed) -> None:
         """The integer program on the columns that the relaxation or the incumbent used."""
-        self.on_few(relaxed, RESTRICTED * self.left(), WIDTHS[0])
+        self.on_few(relaxed, RESTRICTED * self.progress.left(), WIDTHS[0])
 
     def seek(self, relaxed: Relaxed) -> None:
         """Small programs, with ever more columns as long as they are easy; else in pieces."""
-        until = time.monotonic() + min(SEEK * self.left(), LONGEST_SEEK)
+        until = time.monotonic() + min(SEEK * self.progress.left(), LONGEST_SEEK)
         for width in WIDTHS:
             began = time.monotonic()
             seconds = PROGRAM * (until - began)
@@ -233,15 +166,15 @@ class _Run(Progress):
     def on_few(self, relaxed: Relaxed, seconds: float, width: float) -> bool:
         """Branch and cut on the columns in use and on cheap ones; returns whether it was solved."""
         used = self.seen | self.taken()
-        used |= relaxed.reduced <= width * (self.value - relaxed.bound)
+        used |= relaxed.reduced <= width * (self.progress.value - relaxed.bound)
         return self.on(used, relaxed, seconds)
 
     def on(self, used: Bools, relaxed: Relaxed, seconds: float) -> bool:
         """Branch and cut on some columns; returns whether it was solved."""
-        if self.done():
+        if self.progress.done():
             return False
         upper = np.where(used, self.columns.upper, 0.0)
-        return self.search(relaxed, upper, self.value, seconds=seconds).complete
+        return self.search(relaxed, upper, self.progress.value, seconds=seconds).complete
 
     def by_robots(self, relaxed: Relaxed, seconds: float) -> None:
         """The strong method on some robots at a time."""
@@ -252,33 +185,33 @@ class _Run(Progress):
         np.fill_diagonal(split, 0.0)
 
         def solve(part: RoutingData, routes: Routes, limit: float) -> Routes:
-            run = _Run(part, self.objective, routes, limit, 0.0, self.seed, None, self.done)
-            run.close_in(whole=False)
-            return run.routes
+            inner = Progress(part, self.objective, routes, stop=self.progress.until_done(limit))
+            _Run(inner, self.seed, self.parameters).close_in(whole=False)
+            return inner.routes
 
         improve_by_parts(
             self.data,
             self.objective,
-            self.routes,
+            self.progress.routes,
             split,
             solve,
             seconds=seconds,
             seed=self.seed,
-            improved=self.offer,
-            should_stop=self.done,
+            improved=self.progress.offer,
+            should_stop=self.progress.done,
         )
 
     def by_regions(self, relaxed: Relaxed, until: float) -> None:
         """The program of a region at a time, until then, or until many in a row brought nothing."""
         regions = Regions(self.columns, relaxed.point, self.seed)
         in_vain = 0
-        while in_vain < MOST_IN_VAIN and not (self.done() or regions.exhausted):
-            began, worth = time.monotonic(), self.value
+        while in_vain < MOST_IN_VAIN and not (self.progress.done() or regions.exhausted):
+            began, worth = time.monotonic(), self.progress.value
             if began >= until:
                 break
             used = regions.draw() | self.taken()
             solved = self.on(used, relaxed, min(LONGEST_REGION, until - began))
-            in_vain = 0 if self.value < worth else in_vain + 1
+            in_vain = 0 if self.progress.value < worth else in_vain + 1
             if not solved:
                 regions.shrink()
             elif time.monotonic() - began < EASY * LONGEST_REGION:
@@ -291,11 +224,11 @@ class _Run(Progress):
 
     def taken(self) -> Bools:
         """The columns that the incumbent uses."""
-        return np.asarray(self.columns.point(self.routes) > 0)
+        return np.asarray(self.columns.point(self.progress.routes) > 0)
 
     def near(self) -> bool:
         """Whether so little is open that local search is of no more use than a tree."""
-        return self.open() <= NEAR
+        return self.progress.open() <= NEAR
 
     def polish(self, relaxed: Relaxed) -> None:
         """Local search on the incumbent, unless so little is open that trees are of more use.
@@ -310,15 +243,15 @@ class _Run(Progress):
         goes = np.zeros_like(self.data.can_visit)
         goes[tuple(self.columns.pairs[visited].T)] = True
         # On small missions trees take less time than any local search worth the name.
-        seconds = min(POLISH * self.left(), 2 * self.spent(), LONGEST_POLISH)
-        self.offer(
-            improve(
+        seconds = min(POLISH * self.progress.left(), 2 * self.progress.spent(), LONGEST_POLISH)
+        self.progress.offer(
+            ruin_and_recreate(
                 replace(self.data, able=self.data.able & goes[:, :, None]),
-                self.routes,
+                self.progress.routes,
                 self.objective,
-                seconds=seconds,
+                stop=self.progress.until_done(seconds),
                 seed=self.seed + 1,
-                should_stop=self.done,
+                parameters=self.parameters.heuristics,
             )
         )
 
@@ -337,7 +270,7 @@ class _Run(Progress):
 
         def go_on(bound: float) -> bool:
             proved(bound)
-            return not self.done()
+            return not self.progress.done()
 
         return search_tree()(
             self.columns,
@@ -345,25 +278,25 @@ class _Run(Progress):
             lower,
             upper,
             best=target,
-            time_limit=min(seconds, self.left()),
+            time_limit=min(seconds, self.progress.left()),
             seed=self.seed,
-            improved=self.offer,
+            improved=self.progress.offer,
             go_on=go_on,
             more=[*self.own_visits, *more],
         )
 
     def branch(self, relaxed: Relaxed) -> None:
         """Branch and cut on all that fixing leaves."""
-        target = self.value
+        target = self.progress.value
 
         def proved(bound: float) -> None:
-            self.raise_bound(min(bound, target, self.value), "branch and cut")
+            self.progress.raise_bound(min(bound, target, self.progress.value), "branch and cut")
 
         tree = self.search(
             relaxed,
             self.columns.upper,
             target,
-            seconds=self.left(),
+            seconds=self.progress.left(),
             proved=proved,
             more=in_order(self.columns),
         )
@@ -371,7 +304,9 @@ class _Run(Progress):
 
     def result(self) -> Bound:
         """The bound with its root relaxation."""
+        progress = self.progress
+        bound = Bound(progress.bound, progress.proof, progress.step.step)
         if self.relaxed is None:
-            return Bound(self.bound, self.proof, self.grain.step)
+            return bound
         cuts, prices = self.relaxed.cuts, self.relaxed.prices
-        return Bound(self.bound, self.proof, self.grain.step, self.columns, cuts, prices)
+        return replace(bound, columns=self.columns, cuts=cuts, prices=prices)

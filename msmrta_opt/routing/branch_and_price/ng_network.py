@@ -27,7 +27,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ...arrays import Bools, Floats, Ints
-from ..objective_step import granularity
+from ..objective_step import time_step
 from ..problem import RoutingData
 from .tasks import Needs
 
@@ -67,7 +67,7 @@ class Network:
         m = self.m = len(self.victims)
         sets = [_options(needs, robot, int(v)) for v in self.victims]
         own = np.arange(data.n_robots)[:, None, None] == robot
-        grain = granularity(replace(data, able=data.able & own), "latency").step
+        grain = time_step(replace(data, able=data.able & own))
         between = data.between[robot][np.ix_(self.victims, self.victims)]
         leave = data.leave[robot, self.victims]
         horizon = np.minimum(deadline[self.victims], _longest(leave, between, sets))

@@ -20,7 +20,6 @@ Source: Desaulniers, Desrosiers and Solomon (eds.), *Column generation* (2005) f
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import count
@@ -28,19 +27,17 @@ from itertools import count
 import numpy as np
 
 from ...arrays import Floats
-from ...mission.errors import InputError
 from ..bound import Bound, Proof
-from ..heuristics.ruin_and_recreate import improve
-from ..incumbent import ROUNDING, Progress, Report
-from ..objective_step import latency_grain
-from ..problem import Routes, RoutingData, faults
+from ..heuristics.ruin_and_recreate import ruin_and_recreate
+from ..incumbent import ROUNDING, Progress
+from ..parameters import Parameters
+from ..problem import Routes, RoutingData
 from .branching import decision
 from .duals import LatencyRoot, Prices, Round
 from .enumeration import all_paths
 from .master import Master, Path
 from .ng_network import Network
 from .pricing import Generation
-from .queue_bound import latency_bound
 from .tasks import Needs
 
 REMEMBERED = 4
@@ -65,62 +62,35 @@ LONGEST_POLISH = 20.0
 """Seconds of local search at a time."""
 
 
-def search_latency(
-    data: RoutingData,
-    incumbent: Routes,
-    *,
-    time_limit: float = math.inf,
-    gap: float = 0.0,
-    seed: int = 0,
-    report: Report | None = None,
-    should_stop: Callable[[], bool] | None = None,
-) -> tuple[Routes, Bound]:
-    """The best routes found, and a bound on the latency of all routes.
+def branch_and_price(
+    progress: Progress, *, seed: int = 0, parameters: Parameters | None = None
+) -> Bound:
+    """Close in on the minimum latency; the best routes are then the incumbent of `progress`.
 
     Parameters
     ----------
-    data : RoutingData
-        The joint problem.
-    incumbent : Routes
-        Feasible routes to begin with; the better they are, the sooner the gap closes.
-    time_limit : float
-        Seconds of wall time.
-    gap : float
-        Stop when this share of the value, 0 to 1, is all that the bound leaves open.
+    progress : Progress
+        The joint problem with feasible routes, and when to stop; the better these routes are, the
+        sooner the gap closes.
     seed : int
         Of all random choices.
-    report : callable, optional
-        Called whenever the routes or the bound got better.
-    should_stop : callable, optional
-        Asked often; the search ends soon after it says so.
+    parameters : Parameters, optional
+        How to search.
 
     Raises
     ------
-    InputError
-        If `incumbent` is not feasible.
     SolverError
         If a bound exceeds the value of feasible routes: a bug, never to be passed over.
     """
-    if wrong := faults(data, incumbent):
-        raise InputError(f"not feasible: {wrong[0]}", field="incumbent")
-    progress = Progress(
-        data,
-        "latency",
-        incumbent,
-        latency_grain(data),
-        leeway=LEEWAY,
-        time_limit=time_limit,
-        gap=gap,
-        report=report,
-        should_stop=should_stop,
-    )
-    progress.raise_bound(latency_bound(data), "combinatorial")
+    data = progress.data
+    progress.leeway = LEEWAY
+    progress.bound_at_once()
     root = None
     if not progress.done():
-        search = _Run(data, progress, seed)
+        search = _Run(data, progress, seed, parameters or Parameters())
         search.run()
         root = search.root()
-    return progress.routes, Bound(progress.bound, progress.proof, progress.grain.step, latency=root)
+    return Bound(progress.bound, progress.proof, progress.step.step, latency=root)
 
 
 @dataclass(order=True)
@@ -140,8 +110,11 @@ class _Node:
 class _Run:
     """Branch and price."""
 
-    def __init__(self, data: RoutingData, progress: Progress, seed: int) -> None:
+    def __init__(
+        self, data: RoutingData, progress: Progress, seed: int, parameters: Parameters
+    ) -> None:
         self.data, self.progress, self.seed = data, progress, seed
+        self.parameters = parameters
         self.needs = Needs.from_data(data)
         self.master = Master(data, self.needs, dear=DEAR * progress.value / data.n_victims)
         self.nodes: list[_Node] = []
@@ -185,7 +158,7 @@ class _Run:
         while self.nodes and not self.progress.done():
             node = heappop(self.nodes)
             self.here = node.bound
-            if not self.progress.hopeless(node.bound):
+            if not self.progress.can_be_pruned(node.bound):
                 self.work(node)
             if self.progress.done():
                 return
@@ -201,7 +174,7 @@ class _Run:
 
     def left(self) -> float:
         """Seconds left; none once someone asked to stop."""
-        return 0.0 if self.progress.should_stop() else self.progress.left()
+        return self.progress.left()
 
     def tell(self) -> None:
         """Raise the bound to that of the least open node."""
@@ -213,7 +186,7 @@ class _Run:
         """Take note of the bound of the node in work; whether to go on with it."""
         self.here = max(self.here, bound)
         self.tell()
-        return not self.progress.done() and not self.progress.hopeless(self.here)
+        return not self.progress.done() and not self.progress.can_be_pruned(self.here)
 
     def work(self, node: _Node) -> None:
         """Bound a node; close it or part it in two, unless time runs out."""
@@ -258,7 +231,7 @@ class _Run:
 
     def give_up(self) -> None:
         """Leave the node in work as it is, unless there is nothing more to it."""
-        if not self.progress.hopeless(self.here):
+        if not self.progress.can_be_pruned(self.here):
             self.left_open = min(self.left_open, self.here)
 
     def most(self) -> float:
@@ -273,7 +246,7 @@ class _Run:
             cutoff=self.most(),
             time_limit=0.02 * self.progress.left(),
             seed=self.seed,
-            should_stop=self.progress.should_stop,
+            should_stop=self.progress.done,
         )
         if chosen.routes is not None:
             self.offer(chosen.routes)
@@ -282,13 +255,13 @@ class _Run:
         """Local search on the incumbent."""
         progress = self.progress
         seconds = min(0.1 * progress.left(), progress.spent(), LONGEST_POLISH)
-        routes = improve(
+        routes = ruin_and_recreate(
             self.data,
             progress.routes,
-            "latency",
-            seconds=seconds,
+            progress.objective,
+            stop=progress.until_done(seconds),
             seed=self.seed + 1,
-            should_stop=progress.done,
+            parameters=self.parameters.heuristics,
         )
         self.offer(routes)
 

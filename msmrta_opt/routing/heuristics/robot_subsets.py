@@ -17,7 +17,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ...arrays import Floats
-from ..problem import Objective, Routes, RoutingData, times, value
+from ..objectives import Objective, objective_of
+from ..problem import Routes, RoutingData, times
 
 Solve = Callable[[RoutingData, Routes, float], Routes]
 """Better routes of a joint problem, given some, within seconds."""
@@ -35,7 +36,7 @@ _BETTER = 1e-6
 
 def improve_by_parts(
     data: RoutingData,
-    objective: Objective,
+    objective: str | Objective,
     routes: Routes,
     split: Floats,
     solve: Solve,
@@ -51,7 +52,7 @@ def improve_by_parts(
     ----------
     data : RoutingData
         The joint problem.
-    objective : {"total_time", "makespan"}
+    objective : str or Objective
         What to minimise.
     routes : Routes
         Feasible routes to begin with.
@@ -68,6 +69,7 @@ def improve_by_parts(
     should_stop : callable
         Asked before each part.
     """
+    objective = objective_of(objective)
     rng = random.Random(seed)
     until = time.monotonic() + seconds
     known: set[frozenset[int]] = set()
@@ -80,7 +82,7 @@ def improve_by_parts(
             size, in_vain = size + 1, 0
             continue
         in_vain += 1
-        first = _busiest(data, routes) if objective == "makespan" else None
+        first = _busiest(data, routes) if objective.only_last else None
         robots = _draw(split, size, rng, first)
         key = frozenset(robots)
         part, own, victims = part_of(data, routes, robots)
@@ -88,7 +90,7 @@ def improve_by_parts(
             continue
         known.add(key)
         found = solve(part, own, min(left, LONGEST, SHARE * seconds))
-        if value(part, found, objective) < value(part, own, objective) - _BETTER:
+        if objective.value(part, found) < objective.value(part, own) - _BETTER:
             routes, in_vain = put_back(routes, robots, found, victims), 0
             improved(routes)
             # What was best beside the old routes need not be beside the new.

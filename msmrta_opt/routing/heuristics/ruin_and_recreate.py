@@ -3,7 +3,7 @@
 A step takes strings of consecutive visits out of routes that lie close together, and puts their
 requirements back one by one where they cost least, whoever can serve them; so relocations, swaps,
 or-opt moves and reassignments of requirements, and splits of victims over robots, are all special cases
-of one move. Worse answers are accepted with a probability that falls as the search goes on.
+of one move. Worse routes are accepted with a probability that falls as the search goes on.
 
 Source: Christiaens and Vanden Berghe, *Slack induction by string removals for vehicle routing problems*
 (2020); the requirements and the splitting of victims are ours.
@@ -13,36 +13,25 @@ from __future__ import annotations
 
 import math
 import random
-import time
-from collections.abc import Callable
+from itertools import count
 
 import numpy as np
 
 from ...mission.errors import InputError
-from ..problem import Objective, Routes, RoutingData, faults, value
-
-AVERAGE_REMOVED = 8
-LONGEST_STRING = 8
-BLINK = 0.02
-"""Probability of passing over a place when a requirement is put back."""
-DARING = 0.2
-"""Share of steps in which robots are not always chosen by price, and of robots priced lower there:
-prices are those of one requirement, and do not see that others would come cheap after it."""
-FIRST_TEMPERATURE, LAST_TEMPERATURE = 2e-2, 1e-4
-"""Relative to the objective's share of one robot."""
-ITERATIONS = 20_000
-"""Steps where neither steps nor seconds are given."""
+from ..objectives import DEFAULT, Objective, objective_of
+from ..parameters import HeuristicsParameters
+from ..problem import Routes, RoutingData, faults
+from ..stop import MaximumIterations, StoppingCriterion
 
 
-def improve(
+def ruin_and_recreate(
     data: RoutingData,
     routes: Routes,
-    objective: Objective = "total_time",
+    objective: str | Objective = DEFAULT,
     *,
-    seconds: float | None = None,
-    iterations: int | None = None,
+    stop: StoppingCriterion | None = None,
     seed: int = 0,
-    should_stop: Callable[[], bool] | None = None,
+    parameters: HeuristicsParameters | None = None,
 ) -> Routes:
     """Routes at least as good as `routes`, by local search.
 
@@ -52,35 +41,32 @@ def improve(
         The joint problem.
     routes : Routes
         Feasible routes to begin with.
-    objective : {"total_time", "makespan", "latency"}
-        What to minimise.
-    seconds : float, optional
-        Wall time to spend; the result then depends on the machine's speed.
-    iterations : int, optional
-        Steps to make; the same seed then gives the same routes. The default, if `seconds` is not
-        given, is `ITERATIONS`.
+    objective : str or Objective
+        What to minimise; one of `objectives.OBJECTIVES`.
+    stop : StoppingCriterion, optional
+        When to end. With a maximum of iterations the same seed gives the same routes; with a maximum
+        runtime they depend on the machine's speed. By default a fixed number of iterations.
     seed : int
         Of all random choices.
-    should_stop : callable, optional
-        Asked now and then; the search ends early when it says so.
+    parameters : HeuristicsParameters, optional
+        How to search.
 
     Raises
     ------
     InputError
-        If `routes` are not feasible.
+        If `routes` are not feasible, or there is no such objective.
     """
-    wrong = faults(data, routes)
-    if wrong:
+    aim = objective_of(objective)
+    if wrong := faults(data, routes):
         raise InputError(f"these routes cannot be improved: {wrong[0]}", field="routes")
     if not data.required.any():
         return routes
-    if seconds is None and iterations is None:
-        iterations = ITERATIONS
-    search = _Search(data, routes, objective, random.Random(seed))
-    search.run(seconds, iterations, should_stop or (lambda: False))
+    parameters = parameters or HeuristicsParameters()
+    search = _Search(data, routes, aim, parameters, random.Random(seed))
+    search.run(stop or MaximumIterations(parameters.default_iterations))
     found = search.best_routes()
-    # Sums are taken in another order here than there: an equal answer is no improvement.
-    better = value(data, found, objective) < value(data, routes, objective) - 1e-9
+    # Sums are taken in another order here than there: equal routes are no improvement.
+    better = aim.value(data, found) < aim.value(data, routes) - 1e-9
     return found if better else routes
 
 
@@ -91,9 +77,16 @@ class _Search:
     """
 
     def __init__(
-        self, data: RoutingData, routes: Routes, objective: Objective, rng: random.Random
+        self,
+        data: RoutingData,
+        routes: Routes,
+        objective: Objective,
+        parameters: HeuristicsParameters,
+        rng: random.Random,
     ) -> None:
-        self.data, self.objective, self.rng = data, objective, rng
+        self.data, self.objective, self.parameters, self.rng = data, objective, parameters, rng
+        # Read once per place looked at.
+        self.blink = parameters.blink
         required = [(int(v), int(k)) for v, k in np.argwhere(data.required)]
         place = {need: g for g, need in enumerate(required)}
         self.victim = [v for v, _ in required]
@@ -122,31 +115,27 @@ class _Search:
         self.busy = [self._busy(r) for r in range(data.n_robots)]
         """Time and travel of each robot on its route."""
         self.nearest: list[dict[int, tuple[float, int]]] = [{} for _ in routes]
-        """For each robot and victim, on its route as it is: least travel to add, and the place."""
+        """For each robot and victim, on its route as it is: the travel that it adds, and the place."""
         self.cost = self._cost()
         self.best = (self.cost, list(self.routes), list(self.who))
 
-    def run(
-        self, seconds: float | None, iterations: int | None, should_stop: Callable[[], bool]
-    ) -> None:
-        """Search until the time or the steps are used up."""
-        began = time.perf_counter()
-        scale = max(self.cost / (1 if self.objective == "makespan" else self.data.n_robots), 1e-9)
-        step = 0
-        progress = 0.0
-        while progress < 1.0:
+    def run(self, stop: StoppingCriterion) -> None:
+        """Search until `stop`, over whose time and iterations the temperature falls."""
+        n_shares = 1 if self.objective.only_last else self.data.n_robots
+        scale = max(self.cost / n_shares, 1e-9)
+        first = self.parameters.first_temperature
+        fall = self.parameters.last_temperature / first
+        seconds, iterations = stop.seconds_left(), stop.maximum_iterations
+        spent = 0.0
+        for step in count():
             if step % 64 == 0:
-                if should_stop():
+                left = stop.seconds_left()
+                if left <= 0.0:
                     return
-                if seconds is not None:
-                    progress = (time.perf_counter() - began) / max(seconds, 1e-9)
-            if iterations is not None:
-                progress = max(progress, step / iterations if iterations > 0 else 1.0)
-            if progress >= 1.0:
+                spent = 1.0 - left / seconds if math.isfinite(seconds) else 0.0
+            if step >= iterations:
                 return
-            fall = LAST_TEMPERATURE / FIRST_TEMPERATURE
-            self._step(FIRST_TEMPERATURE * scale * fall**progress)
-            step += 1
+            self._step(first * scale * fall ** max(spent, step / iterations))
 
     def best_routes(self) -> Routes:
         """The best routes found."""
@@ -169,11 +158,11 @@ class _Search:
 
     def _ruin(self) -> list[int]:
         """Take out strings of visits around a random victim; returns their requirements."""
-        rng, routes = self.rng, self.routes
+        rng, routes, parameters = self.rng, self.routes, self.parameters
         used = [route for route in routes if route]
         mean = sum(map(len, used)) / len(used)
-        longest = max(1.0, min(LONGEST_STRING, mean))
-        n_strings = int(rng.random() * (4 * AVERAGE_REMOVED / (1 + longest))) + 1
+        longest = max(1.0, min(parameters.longest_string, mean))
+        n_strings = int(rng.random() * (4 * parameters.average_removed / (1 + longest))) + 1
         removed: list[int] = []
         ruined: set[int] = set()
         for v in self.near[rng.choice(self.needed)]:
@@ -212,7 +201,8 @@ class _Search:
             removed.sort(key=lambda g: len(self.able[g]))
         else:
             removed.sort(key=lambda g: -self.service[g])
-        daring = rng.random() < DARING
+        share = self.parameters.perturbed_steps
+        perturbed = rng.random() < share
         busy = self.busy
         for g in removed:
             v = self.victim[g]
@@ -222,11 +212,11 @@ class _Search:
                 total, walk = busy[r][0] + added + self.service[g], busy[r][1] + added
                 if total > self.endurance[r] + 1e-9 or walk > self.longest_walk[r] + 1e-9:
                     continue
-                price = total + added if self.objective == "makespan" else delay
-                if daring and rng.random() < DARING:
-                    price *= rng.random()
-                if price < best:
-                    best, choice = price, (r, at, added)
+                cost = total + added if self.objective.insertion == "finish" else delay
+                if perturbed and rng.random() < share:
+                    cost *= rng.random()
+                if cost < best:
+                    best, choice = cost, (r, at, added)
             r, at, added = choice
             if r < 0:
                 return False
@@ -237,13 +227,13 @@ class _Search:
         return True
 
     def _insertion(self, r: int, g: int) -> tuple[float, float, int]:
-        """The price of serving `g` by `r`, the added travel, and the place.
+        """The cost of serving `g` by `r`, the added travel, and the place.
 
-        The place is -1 where r visits the victim already. The price is the added travel, for
-        latency the added weighted completion times.
+        The place is -1 where r visits the victim already. The cost is the added travel, or by how
+        much weighted completion times grow, as the objective says.
         """
         v, route = self.victim[g], self.routes[r]
-        if self.objective == "latency":
+        if self.objective.insertion == "completion":
             return self._soonest(r, g)
         if v in route:
             return 0.0, 0.0, -1
@@ -255,7 +245,7 @@ class _Search:
         return added, added, place
 
     def _nearest(self, r: int, v: int) -> int:
-        """The place at which visiting `v` adds the least travel."""
+        """The place at which visiting `v` adds the smallest travel."""
         route = self.routes[r]
         if not route:
             return 0
@@ -267,7 +257,7 @@ class _Search:
         for i in range(1, len(route)):
             after = route[i]
             added = to_v[before] + to_v[after] - self.between[r][before][after]
-            if added < best and blink() > BLINK:
+            if added < best and blink() > self.blink:
                 best, place = added, i
             before = after
         back = self.back[r]
@@ -287,18 +277,18 @@ class _Search:
         elsewhere = max(
             (self._done(q)[self.routes[q].index(v)] for q in self._others(v, r)), default=0.0
         )
-        best, place, least = math.inf, len(route), 0.0
+        best, place, travel = math.inf, len(route), 0.0
         for i, w in enumerate((*route, -1)):
             if w == v:
                 return service * weight, 0.0, -1
             added = self._added(r, v, i)
             leave = self.between[r][route[i - 1]][v] if i else self.leave[r][v]
             own = (done[i - 1] if i else 0.0) + leave + service
-            price = self.priority[v] * max(own - elsewhere, 0.0) + (added + service) * weight
-            if price < best and (w < 0 or self.rng.random() > BLINK):
-                best, place, least = price, i, added
+            cost = self.priority[v] * max(own - elsewhere, 0.0) + (added + service) * weight
+            if cost < best and (w < 0 or self.rng.random() > self.blink):
+                best, place, travel = cost, i, added
             weight -= self.priority[w] if w >= 0 else 0.0
-        return best, least, place
+        return best, travel, place
 
     def _added(self, r: int, v: int, place: int) -> float:
         """The travel that visiting `v` at `place` adds."""
@@ -347,12 +337,16 @@ class _Search:
         return travel + service, travel
 
     def _cost(self) -> float:
-        if self.objective != "latency":
-            busy = [total for total, _ in self.busy]
-            # Among equal makespans the least total leads on: a flat objective has no slope.
-            return sum(busy) if self.objective == "total_time" else max(busy) + 1e-4 * sum(busy)
+        busy = [total for total, _ in self.busy]
+        completion = self._completion() if self.objective.of_victims else []
+        worth = self.objective.of_times(busy, completion, self.priority)
+        # Among equal makespans the smallest total leads on: a flat objective has no slope.
+        return worth + 1e-4 * sum(busy) if self.objective.only_last else worth
+
+    def _completion(self) -> list[float]:
+        """When each victim is complete."""
         completion = [0.0] * self.data.n_victims
         for r, route in enumerate(self.routes):
             for v, clock in zip(route, self._done(r), strict=True):
                 completion[v] = max(completion[v], clock)
-        return float(sum(p * c for p, c in zip(self.priority, completion, strict=True)))
+        return completion

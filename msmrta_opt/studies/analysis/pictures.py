@@ -105,7 +105,7 @@ def staging_losses(
     ----------
     priced : mapping of str to sequence of Loss
         What `price_of_staging` finds, by the mission's name.
-    objective : {"total_time", "makespan"}
+    objective : str
         What was priced.
     ax : Axes, optional
         Where to draw; a figure of its own by default.

@@ -1,7 +1,7 @@
 """The price of deciding in stages: planners beside a proven bound, each stage's share of the loss.
 
 The staged plan is taken apart from its end: first only the order of its visits is free, then also what
-the auction decided, then what Eq. 2 decided, then all. Each step is solved by the strong method with the
+the auction decided, then what Eq. 2 decided, then all. Each step is solved exactly with the
 earlier decisions fixed, so each stage's loss is the difference of two values, each with its bound.
 """
 
@@ -17,10 +17,12 @@ from ...mission.metrics import Metrics
 from ...mission.plan import Plan
 from ...planners import plan as make_plan
 from ...planners.support.improvement import routes_of
-from ...routing.bound import gap
-from ...routing.branch_and_cut.search import strong_bound
-from ...routing.heuristics.ruin_and_recreate import improve
-from ...routing.problem import Objective, RoutingData, value
+from ...routing.heuristics.ruin_and_recreate import ruin_and_recreate
+from ...routing.incumbent import Progress
+from ...routing.methods import close_in
+from ...routing.objectives import DEFAULT, objective_of
+from ...routing.problem import RoutingData
+from ...routing.stop import MaximumRuntime, relative_gap
 from ...stages.joint_routing import routing_data
 from ...stages.situation import Situation
 
@@ -63,11 +65,11 @@ class Candidate:
     @property
     def gap(self) -> float:
         """Share of the value that the bound leaves open."""
-        return gap(self.value, self.bound)
+        return relative_gap(self.value, self.bound)
 
 
 def price_of_staging(
-    plan: Plan, objective: Objective = "total_time", *, seconds: float = 10.0, seed: int = 0
+    plan: Plan, objective: str = DEFAULT, *, seconds: float = 10.0, seed: int = 0
 ) -> list[Loss]:
     """How much of a staged plan's loss is due to which stage.
 
@@ -75,8 +77,8 @@ def price_of_staging(
     ----------
     plan : Plan
         Of the staged planner, whose visits are named by their stages.
-    objective : {"total_time", "makespan"}
-        What is measured.
+    objective : str
+        What is measured; one of `routing.objectives.OBJECTIVES`.
     seconds : float
         For each of the four steps.
     seed : int
@@ -85,13 +87,16 @@ def price_of_staging(
     situation = Situation.of(plan.known)
     data = routing_data(situation)
     routes = routes_of(plan)
-    before = float(getattr(plan.metrics, objective))
+    before = objective_of(objective).of_plan(plan.metrics)
     losses = []
     for stage, kept in STEPS:
-        narrowed = replace(data, able=_able_with(plan, data, kept))
-        start = improve(narrowed, routes, objective, seconds=0.1 * seconds, seed=seed)
-        routes, bound = strong_bound(narrowed, objective, start, time_limit=seconds, seed=seed)
-        after = value(narrowed, routes, objective)
+        restricted = replace(data, able=_able_with(plan, data, kept))
+        begin = ruin_and_recreate(
+            restricted, routes, objective, stop=MaximumRuntime(0.1 * seconds), seed=seed
+        )
+        progress = Progress(restricted, objective, begin, stop=MaximumRuntime(seconds))
+        bound = close_in(progress, seed=seed)
+        routes, after = progress.routes, progress.value
         losses.append(Loss(stage, before, after, bound.value))
         before = after
     return losses
@@ -114,7 +119,7 @@ def _able_with(plan: Plan, data: RoutingData, kept: frozenset[str]) -> np.ndarra
 
 def candidates(
     mission: Instance,
-    objective: Objective = "total_time",
+    objective: str = DEFAULT,
     *,
     planners: Sequence[str] = ("msmrta", "mrga", "ssi", "greedy"),
     seconds: float = 30.0,
@@ -142,6 +147,6 @@ def candidates(
             )
     plans["exact"] = exact
     return [
-        Candidate(name, plan.metrics, float(getattr(plan.metrics, objective)), bound)
+        Candidate(name, plan.metrics, objective_of(objective).of_plan(plan.metrics), bound)
         for name, plan in plans.items()
     ]

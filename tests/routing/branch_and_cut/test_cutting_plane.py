@@ -17,7 +17,8 @@ from msmrta_opt.optimise.program import Program
 from msmrta_opt.routing.branch_and_cut.cutting_plane import Relaxation
 from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
 from msmrta_opt.routing.branch_and_cut.separation import Cut
-from msmrta_opt.routing.problem import RoutingData, value
+from msmrta_opt.routing.objectives import value
+from msmrta_opt.routing.problem import RoutingData
 
 OBJECTIVES = ("total_time", "makespan")
 
@@ -53,8 +54,8 @@ def by_linprog(program: Program) -> float:
 
 
 def columns_of(data: RoutingData, objective: str) -> Columns:
-    most = value(data, any_routes(data), objective)  # type: ignore[arg-type]
-    return Columns.of(data, objective, most)  # type: ignore[arg-type]
+    most = value(data, any_routes(data), objective)
+    return Columns.of(data, objective, most)
 
 
 @pytest.mark.parametrize("objective", OBJECTIVES)
@@ -109,7 +110,7 @@ def test_the_stored_program_proves_the_bound_by_its_prices_and_by_another_solver
 @pytest.mark.parametrize("seed", range(6))
 def test_no_bound_on_the_way_exceeds_the_optimum(seed: int, objective: str) -> None:
     data = small_mission(seed, 3, 5)
-    optimum = least(data, objective)  # type: ignore[arg-type]
+    optimum = least(data, objective)
     bounds: list[float] = []
     relaxation = Relaxation(columns_of(data, objective), neighbours=1)
     relaxation.solve(report=bounds.append)
@@ -124,7 +125,7 @@ def test_a_stop_before_the_first_program_leaves_a_bound(objective: str) -> None:
     relaxed = Relaxation(columns_of(data, objective)).solve(time_limit=0.0)
     assert not relaxed.finished
     assert np.isfinite(relaxed.bound)
-    assert relaxed.bound <= least(data, objective)  # type: ignore[arg-type]
+    assert relaxed.bound <= least(data, objective)
 
 
 def test_a_stop_between_rounds_is_obeyed() -> None:

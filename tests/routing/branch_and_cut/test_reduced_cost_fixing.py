@@ -16,8 +16,8 @@ from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
 from msmrta_opt.routing.branch_and_cut.extraction import point_supports
 from msmrta_opt.routing.branch_and_cut.reduced_cost_fixing import fixed
 from msmrta_opt.routing.branch_and_cut.separation import separate
-from msmrta_opt.routing.objective_step import Grain, granularity
-from msmrta_opt.routing.problem import value
+from msmrta_opt.routing.objective_step import ObjectiveStep, objective_step
+from msmrta_opt.routing.objectives import value
 
 
 def by_milp(columns: Columns, lower: Floats, upper: Floats) -> float:
@@ -45,11 +45,11 @@ def by_milp(columns: Columns, lower: Floats, upper: Floats) -> float:
 @pytest.mark.parametrize("seed", range(5))
 def test_whatever_the_upper_bound_the_optimum_is_not_cut_off(seed: int, objective: str) -> None:
     data = small_mission(seed, 3, 5)
-    optimum = least(data, objective)  # type: ignore[arg-type]
-    most = value(data, any_routes(data), objective)  # type: ignore[arg-type]
-    columns = Columns.of(data, objective, most)  # type: ignore[arg-type]
+    optimum = least(data, objective)
+    most = value(data, any_routes(data), objective)
+    columns = Columns.of(data, objective, most)
     relaxed = Relaxation(columns).solve()
-    step = granularity(data, objective).step  # type: ignore[arg-type]
+    step = objective_step(data, objective).step
     assert step > 0
     zero, one = np.zeros(columns.n_columns), columns.upper
     assert by_milp(columns, zero, one) == pytest.approx(optimum)
@@ -93,8 +93,8 @@ def test_grains_are_the_greatest_common_divisors_of_all_times() -> None:
     # Times 4/0.4 = 10, 6/0.4 = 15 and between them 2/0.4 = 5; services 2.
     data = on_a_line([0], [4, 6], [[[True], [True]]], service=2.0)
     data = replace(data, leave=data.leave / 0.4, between=data.between / 0.4)
-    assert granularity(data, "total_time") == Grain(offset=4.0, step=5.0)
-    assert granularity(data, "makespan") == Grain(offset=0.0, step=1.0)
+    assert objective_step(data, "total_time") == ObjectiveStep(offset=4.0, step=5.0)
+    assert objective_step(data, "makespan") == ObjectiveStep(offset=0.0, step=1.0)
 
 
 def test_speeds_with_no_short_decimal_still_have_a_grain() -> None:
@@ -105,19 +105,19 @@ def test_speeds_with_no_short_decimal_still_have_a_grain() -> None:
         data, leave=data.leave / speed[:, None], between=data.between / speed[:, None, None]
     )
     # gcd(5, 10/3) = 5/3
-    assert granularity(data, "total_time").step == pytest.approx(5 / 3)
+    assert objective_step(data, "total_time").step == pytest.approx(5 / 3)
 
 
 def test_times_without_a_common_measure_have_no_grain() -> None:
     data = on_a_line([0], [np.sqrt(2.0), 1.0], [[[True], [True]]])
-    grain = granularity(data, "total_time")
+    grain = objective_step(data, "total_time")
     assert grain.step == 0.0
     assert grain.up(1.25) == 1.25
     assert grain.below(2.0) < 2.0
 
 
 def test_bounds_are_rounded_up_to_the_next_possible_value_but_not_by_rounding_errors() -> None:
-    grain = Grain(offset=1.0, step=2.5)
+    grain = ObjectiveStep(offset=1.0, step=2.5)
     assert grain.up(6.1) == 8.5
     assert grain.up(6.0 + 1e-8) == pytest.approx(6.0, abs=1e-6)
     assert grain.up(6.0 - 1e-8) == 6.0

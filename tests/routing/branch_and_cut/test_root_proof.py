@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.searches import closed_in
 
 from msmrta_opt.certify.bound import worth
 from msmrta_opt.certify.joint_problem import Joint
@@ -26,12 +27,11 @@ from msmrta_opt.planners.support.improvement import routes_of
 from msmrta_opt.routing import second_solver as second_opinion
 from msmrta_opt.routing.bound import Bound
 from msmrta_opt.routing.branch_and_cut.root_proof import root_proof
-from msmrta_opt.routing.branch_and_cut.search import strong_bound
-from msmrta_opt.routing.problem import Objective
 from msmrta_opt.routing.second_solver import arrays, other_solver, root_again
+from msmrta_opt.routing.stop import MaximumRuntime
 
 MAPS = Path(__file__).parents[3] / "instances" / "maps"
-CASES: list[tuple[Objective, dict[str, Any]]] = [
+CASES: list[tuple[str, dict[str, Any]]] = [
     ("total_time", {}),
     ("makespan", {}),
     ("total_time", {"endurance": 900.0}),
@@ -51,7 +51,7 @@ def solved(case: int) -> tuple[Plan, Bound, RootProof, Relaxation]:
     plan = make_plan(mission, planner="ssi")
     plan = plan.model_copy(update={"options": {**plan.options, **limits}})
     data = problem_of(plan)
-    _, bound = strong_bound(data, objective, routes_of(plan), time_limit=2)
+    _, bound = closed_in(data, objective, routes_of(plan), MaximumRuntime(2))
     value = worth(plan, objective)
     proof = root_proof(plan.known, bound, float(value))
     assert proof is not None

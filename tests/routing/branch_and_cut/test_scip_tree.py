@@ -1,4 +1,4 @@
-"""The strong method against brute force, however it is stopped."""
+"""Branch and cut against brute force, however it is stopped."""
 
 from __future__ import annotations
 
@@ -8,50 +8,55 @@ import numpy as np
 import pytest
 from support.joint_cases import any_routes, on_a_line, small_mission
 from support.joint_oracle import least
+from support.searches import Told, closed_in
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.optimise.check import dual_bound
-from msmrta_opt.routing.bound import Bound, gap
+from msmrta_opt.routing.bound import Bound
 from msmrta_opt.routing.branch_and_cut import search as strong
 from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
 from msmrta_opt.routing.branch_and_cut.extraction import routes_of
 from msmrta_opt.routing.branch_and_cut.highs_tree import resolve
-from msmrta_opt.routing.branch_and_cut.scip_tree import branch_and_cut
-from msmrta_opt.routing.branch_and_cut.search import combinatorial_bound, strong_bound
-from msmrta_opt.routing.problem import Routes, RoutingData, faults, value
+from msmrta_opt.routing.branch_and_cut.scip_tree import solve
+from msmrta_opt.routing.branch_and_cut.search import branch_and_cut
+from msmrta_opt.routing.callbacks import SearchState
+from msmrta_opt.routing.incumbent import Progress
+from msmrta_opt.routing.objectives import OBJECTIVES, value
+from msmrta_opt.routing.problem import Routes, RoutingData, faults
+from msmrta_opt.routing.stop import Interruption, MaximumRuntime, RelativeGap, relative_gap
 
-OBJECTIVES = ("total_time", "makespan")
-TREES = {"SCIP": branch_and_cut, "HiGHS": resolve}
+BOTH = ("total_time", "makespan")
+TREES = {"SCIP": solve, "HiGHS": resolve}
 
 
 def holds(data: RoutingData, objective: str, routes: Routes, bound: Bound) -> None:
     """What must be true whenever it stops."""
     assert faults(data, routes) == []
-    assert bound.value <= value(data, routes, objective) + 1e-9  # type: ignore[arg-type]
+    assert bound.value <= value(data, routes, objective) + 1e-9
     if bound.program is not None and bound.prices is not None:
         assert bound.root() == dual_bound(bound.program, bound.prices)
         assert bound.root() <= bound.value + bound.step + 1e-6
 
 
-@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("objective", BOTH)
 @pytest.mark.parametrize("seed", range(8))
 def test_answers_and_bounds_equal_brute_force(seed: int, objective: str) -> None:
     data = small_mission(seed, 3, 6, map_number=(0, 2, 3)[seed % 3])
-    routes, bound = strong_bound(data, objective, any_routes(data))  # type: ignore[arg-type]
-    optimum = least(data, objective)  # type: ignore[arg-type]
-    assert value(data, routes, objective) == pytest.approx(optimum)  # type: ignore[arg-type]
+    routes, bound = closed_in(data, objective, any_routes(data))
+    optimum = least(data, objective)
+    assert value(data, routes, objective) == pytest.approx(optimum)
     assert bound.value == pytest.approx(optimum)
     holds(data, objective, routes, bound)
 
 
 @pytest.mark.parametrize("tree", TREES)
-@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("objective", BOTH)
 @pytest.mark.parametrize("seed", range(4))
 def test_either_tree_alone_proves_the_optimum(seed: int, objective: str, tree: str) -> None:
     data = small_mission(seed, 2, 6)
-    optimum = least(data, objective)  # type: ignore[arg-type]
-    most = value(data, any_routes(data), objective)  # type: ignore[arg-type]
-    columns = Columns.of(data, objective, most)  # type: ignore[arg-type]
+    optimum = least(data, objective)
+    most = value(data, any_routes(data), objective)
+    columns = Columns.of(data, objective, most)
     found: list[Routes] = []
     outcome = TREES[tree](
         columns,
@@ -64,7 +69,7 @@ def test_either_tree_alone_proves_the_optimum(seed: int, objective: str, tree: s
     )
     assert outcome.complete
     assert outcome.bound == pytest.approx(optimum)
-    worth = [value(data, routes, objective) for routes in found if not faults(data, routes)]  # type: ignore[arg-type]
+    worth = [value(data, routes, objective) for routes in found if not faults(data, routes)]
     assert min([most, *worth]) == pytest.approx(optimum)
 
 
@@ -88,26 +93,26 @@ def test_a_tree_that_is_asked_for_better_than_the_optimum_says_there_is_nothing(
     assert all(value(data, r, "total_time") >= optimum - 1e-9 for r in found if not faults(data, r))
 
 
-@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("objective", BOTH)
 def test_without_scip_the_method_proves_the_same(
     objective: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(strong, "search_tree", lambda: resolve)
     data = small_mission(5, 3, 6)
-    routes, bound = strong_bound(data, objective, any_routes(data))  # type: ignore[arg-type]
-    assert bound.value == pytest.approx(least(data, objective))  # type: ignore[arg-type]
+    routes, bound = closed_in(data, objective, any_routes(data))
+    assert bound.value == pytest.approx(least(data, objective))
     holds(data, objective, routes, bound)
 
 
-@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("objective", BOTH)
 @pytest.mark.parametrize("seed", range(3))
 def test_robots_that_return_equal_brute_force(seed: int, objective: str) -> None:
     data = small_mission(seed, 2, 6, return_to_start=True)
-    _, bound = strong_bound(data, objective, any_routes(data))  # type: ignore[arg-type]
-    assert bound.value == pytest.approx(least(data, objective))  # type: ignore[arg-type]
+    _, bound = closed_in(data, objective, any_routes(data))
+    assert bound.value == pytest.approx(least(data, objective))
 
 
-@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("objective", BOTH)
 def test_limits_that_bite_equal_brute_force(objective: str) -> None:
     # Two robots at 0 with a limit of 12; alone, either would walk 10 and serve for 4.
     able = [[[True, True], [True, True]]] * 2
@@ -119,30 +124,30 @@ def test_limits_that_bite_equal_brute_force(objective: str) -> None:
         replace(data, endurance=np.array([13.0, 6.0]), longest_walk=np.array([10.0, 5.0])),
     ):
         start = split if not faults(limited, split) else split[::-1]
-        routes, bound = strong_bound(limited, objective, start)  # type: ignore[arg-type]
-        assert bound.value == pytest.approx(least(limited, objective))  # type: ignore[arg-type]
+        routes, bound = closed_in(limited, objective, start)
+        assert bound.value == pytest.approx(least(limited, objective))
         holds(limited, objective, routes, bound)
 
 
-@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("objective", BOTH)
 @pytest.mark.parametrize("seed", range(3))
 def test_a_stop_at_any_moment_leaves_a_plan_and_a_bound_that_holds(
     seed: int, objective: str
 ) -> None:
     data = small_mission(seed, 3, 6)
-    optimum = least(data, objective)  # type: ignore[arg-type]
+    optimum = least(data, objective)
     for asked in (0, 1, 2, 3, 5, 8, 20, 60):
         left = iter(range(asked))
-        routes, bound = strong_bound(
+        routes, bound = closed_in(
             data,
-            objective,  # type: ignore[arg-type]
+            objective,
             any_routes(data),
-            should_stop=lambda left=left: next(left, None) is None,
+            Interruption(lambda left=left: next(left, None) is None),
         )
         holds(data, objective, routes, bound)
-        assert bound.value <= optimum + 1e-9 <= value(data, routes, objective) + 2e-9  # type: ignore[arg-type]
+        assert bound.value <= optimum + 1e-9 <= value(data, routes, objective) + 2e-9
     for seconds in (0.0, 0.02, 0.1):
-        routes, bound = strong_bound(data, objective, any_routes(data), time_limit=seconds)  # type: ignore[arg-type]
+        routes, bound = closed_in(data, objective, any_routes(data), MaximumRuntime(seconds))
         holds(data, objective, routes, bound)
         assert bound.value <= optimum + 1e-9
 
@@ -150,11 +155,11 @@ def test_a_stop_at_any_moment_leaves_a_plan_and_a_bound_that_holds(
 def test_reports_only_ever_get_better_and_end_with_the_answer() -> None:
     data = small_mission(4, 3, 10)
     told: list[tuple[float, float]] = []
-    routes, bound = strong_bound(
+    routes, bound = closed_in(
         data,
         "makespan",
         any_routes(data),
-        report=lambda _, worth, lower, what: told.append((worth, lower)),
+        callbacks=Told(lambda state, _: told.append((state.value, state.bound))),
     )
     values, bounds = zip(*told, strict=True)
     assert list(values) == sorted(values, reverse=True)
@@ -165,14 +170,14 @@ def test_reports_only_ever_get_better_and_end_with_the_answer() -> None:
 
 def test_it_stops_at_the_gap_that_was_asked_for() -> None:
     data = small_mission(4, 3, 10)
-    routes, bound = strong_bound(data, "makespan", any_routes(data), gap=0.9)
-    assert gap(value(data, routes, "makespan"), bound.value) <= 0.9
+    routes, bound = closed_in(data, "makespan", any_routes(data), RelativeGap(0.9))
+    assert relative_gap(value(data, routes, "makespan"), bound.value) <= 0.9
 
 
-@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("objective", BOTH)
 def test_a_mission_without_anything_to_do_is_solved_at_once(objective: str) -> None:
     data = on_a_line([0, 1], [5], [[[False]], [[False]]])
-    routes, bound = strong_bound(data, objective, ((), ()))  # type: ignore[arg-type]
+    routes, bound = closed_in(data, objective, ((), ()))
     assert routes == ((), ())
     assert bound.value == 0.0
 
@@ -180,48 +185,48 @@ def test_a_mission_without_anything_to_do_is_solved_at_once(objective: str) -> N
 @pytest.mark.parametrize("seed", range(20))
 def test_the_bound_at_once_is_a_bound(seed: int) -> None:
     data = small_mission(seed, 2, 4)
-    for objective in OBJECTIVES:
-        assert combinatorial_bound(data, objective) <= least(data, objective) + 1e-9  # type: ignore[arg-type]
+    for objective in BOTH:
+        assert OBJECTIVES[objective].bound(data) <= least(data, objective) + 1e-9
 
 
 def test_routes_that_are_not_feasible_are_refused() -> None:
     data = on_a_line([0], [5], [[[True]]])
     with pytest.raises(InputError, match="incumbent"):
-        strong_bound(data, "total_time", ((),))
+        closed_in(data, "total_time", ((),))
 
 
 def test_latency_is_refused() -> None:
     data = on_a_line([0], [5], [[[True]]])
     with pytest.raises(InputError, match="latency"):
-        strong_bound(data, "latency", any_routes(data))
+        branch_and_cut(Progress(data, "latency", any_routes(data)))
 
 
-@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("objective", BOTH)
 def test_routes_and_points_are_each_other_s_images(objective: str) -> None:
     for seed in range(5):
         data = small_mission(seed, 3, 7)
         routes = any_routes(data)
-        columns = Columns.of(data, objective, 1e6)  # type: ignore[arg-type]
+        columns = Columns.of(data, objective, 1e6)
         x = columns.point(routes)
         program = columns.program([])
         activity = program.matrix @ x
         assert (activity >= program.row_lower - 1e-9).all()
         assert (activity <= program.row_upper + 1e-9).all()
-        assert program.value(x) == pytest.approx(value(data, routes, objective))  # type: ignore[arg-type]
+        assert program.value(x) == pytest.approx(value(data, routes, objective))
         back = routes_of(columns, x)
         assert back is not None
         assert faults(data, back) == []
         # Visits that the program can do without are left out.
-        assert value(data, back, objective) <= value(data, routes, objective) + 1e-9  # type: ignore[arg-type]
+        assert value(data, back, objective) <= value(data, routes, objective) + 1e-9
 
 
 @pytest.mark.parametrize("what", ["better routes", "branch and cut"])
 def test_what_a_report_raises_reaches_the_caller(what: str) -> None:
     data = small_mission(7, 3, 6, map_number=2)
 
-    def refuse(routes: Routes, worth: float, bound: float, happened: str) -> None:
+    def refuse(state: SearchState, happened: str) -> None:
         if happened == what:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        strong_bound(data, "makespan", any_routes(data), report=refuse)
+        closed_in(data, "makespan", any_routes(data), callbacks=Told(refuse))

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from support.joint_cases import any_routes, on_a_line
 from support.joint_oracle import least
+from support.searches import closed_in
 
 from msmrta_opt.routing.branch_and_cut import search as strong
 from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
 from msmrta_opt.routing.branch_and_cut.highs_tree import resolve
-from msmrta_opt.routing.branch_and_cut.search import strong_bound
 from msmrta_opt.routing.branch_and_cut.symmetry import Row, in_order, own_visits
-from msmrta_opt.routing.problem import Objective, RoutingData, faults, value
+from msmrta_opt.routing.objectives import value
+from msmrta_opt.routing.problem import RoutingData, faults
 
 
 def equal_robots(
@@ -61,7 +62,7 @@ def test_the_longest_walk_of_equal_robots_is_proven_even_where_detours_are_short
     if tree == "HiGHS":
         monkeypatch.setattr(strong, "search_tree", lambda: resolve)
     data = equal_robots(seed, kinds=kinds, returns=returns, detours=detours)
-    routes, bound = strong_bound(data, "makespan", any_routes(data))
+    routes, bound = closed_in(data, "makespan", any_routes(data))
     assert faults(data, routes) == []
     assert value(data, routes, "makespan") == pytest.approx(least(data, "makespan"))
     assert bound.value == pytest.approx(least(data, "makespan"))
@@ -72,7 +73,7 @@ def test_the_total_time_of_equal_robots_is_bounded_and_met_where_one_kind_is_nee
     seed: int, kinds: int, returns: bool, detours: bool
 ) -> None:
     data = equal_robots(seed, kinds=kinds, returns=returns, detours=detours)
-    routes, bound = strong_bound(data, "total_time", any_routes(data))
+    routes, bound = closed_in(data, "total_time", any_routes(data))
     optimum = least(data, "total_time")
     assert bound.value <= optimum + 1e-6
     assert value(data, routes, "total_time") >= optimum - 1e-6
@@ -84,7 +85,7 @@ def kept(rows: list[Row], x: np.ndarray) -> bool:
     return all(weight @ x[column] <= most + 1e-9 for column, weight, most in rows)
 
 
-def line(objective: Objective = "makespan") -> Columns:
+def line(objective: str = "makespan") -> Columns:
     """Two equal robots at 0 that return, victims at 1, 2 and 4, one kind."""
     data = on_a_line([0, 0], [1, 2, 4], [[[True]] * 3] * 2, returns=True)
     return Columns.of(data, objective, 100.0)
@@ -108,7 +109,7 @@ def test_of_two_directions_the_one_that_begins_farther_away_is_kept() -> None:
 
 
 @pytest.mark.parametrize("objective", ["total_time", "makespan"])
-def test_walking_needs_no_rows_against_visits_for_nothing(objective: Objective) -> None:
+def test_walking_needs_no_rows_against_visits_for_nothing(objective: str) -> None:
     assert own_visits(line(objective)) == []
 
 

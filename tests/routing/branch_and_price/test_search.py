@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 from support.joint_cases import any_routes, on_a_line, small_mission
 from support.joint_oracle import least
+from support.searches import Told, closed_in
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.routing.bound import Bound
-from msmrta_opt.routing.branch_and_price.search import search_latency
-from msmrta_opt.routing.objective_step import latency_grain
-from msmrta_opt.routing.problem import Routes, RoutingData, faults, times, value
+from msmrta_opt.routing.callbacks import SearchState
+from msmrta_opt.routing.objective_step import objective_step
+from msmrta_opt.routing.objectives import value
+from msmrta_opt.routing.problem import Routes, RoutingData, faults, times
+from msmrta_opt.routing.stop import Interruption, MaximumRuntime, RelativeGap
 
 LONG = 60.0
 
@@ -24,14 +27,14 @@ def assert_proven(data: RoutingData, incumbent: Routes | None = None) -> None:
     expected = least(data, "latency")
     seen: list[tuple[float, float]] = []
 
-    def report(routes: Routes, worth: float, bound: float, what: str) -> None:
+    def report(state: SearchState, what: str) -> None:
         del what
-        assert not faults(data, routes)
-        assert worth == pytest.approx(value(data, routes, "latency"))
-        seen.append((worth, bound))
+        assert not faults(data, state.routes)
+        assert state.value == pytest.approx(value(data, state.routes, "latency"))
+        seen.append((state.value, state.bound))
 
     start = any_routes(data) if incumbent is None else incumbent
-    routes, bound = search_latency(data, start, time_limit=LONG, report=report)
+    routes, bound = closed_in(data, "latency", start, MaximumRuntime(LONG), Told(report))
     assert not faults(data, routes)
     assert value(data, routes, "latency") == pytest.approx(expected, rel=1e-6)
     assert bound.value == pytest.approx(expected, rel=2e-6)
@@ -61,7 +64,7 @@ def test_times_without_a_common_divisor_are_rounded_down_and_still_proven(seed: 
     data = replace(
         data, service=random.rand(*data.service.shape), priority=random.rand(data.n_victims)
     )
-    assert latency_grain(data).step == 0
+    assert objective_step(data, "latency").step == 0
     assert_proven(data)
 
 
@@ -81,15 +84,15 @@ def test_a_limit_makes_the_dearer_order_the_least() -> None:
     route: 6 for the near one first, 9 for the far one first.
     """
     data = on_a_line([0.0], [-1.0, 4.0], [[[True], [True]]])
-    _, bound = search_latency(data, any_routes(data))
+    _, bound = closed_in(data, "latency", any_routes(data))
     assert bound.value == pytest.approx(1 + 6)
     weighted = replace(data, priority=np.array([1.0, 10.0]))
     far_first: Routes = (((1, (0,)), (0, (0,))),)
-    routes, bound = search_latency(weighted, any_routes(weighted))
+    routes, bound = closed_in(weighted, "latency", any_routes(weighted))
     assert routes == far_first
     assert bound.value == pytest.approx(4 * 10 + 9)
     limited = replace(weighted, longest_walk=np.array([8.0]))
-    routes, bound = search_latency(limited, any_routes(limited))
+    routes, bound = closed_in(limited, "latency", any_routes(limited))
     assert value(limited, routes, "latency") == pytest.approx(1 + 60)
     assert bound.value == pytest.approx(1 + 60)
 
@@ -97,7 +100,7 @@ def test_a_limit_makes_the_dearer_order_the_least() -> None:
 def test_a_split_victim_is_complete_with_the_later_of_its_robots() -> None:
     """Robots at 0 and 10, each with a kind of its own; the victim at 3 is done at 7."""
     data = on_a_line([0.0, 10.0], [3.0], [[[True, False]], [[False, True]]])
-    _, bound = search_latency(data, any_routes(data))
+    _, bound = closed_in(data, "latency", any_routes(data))
     assert bound.value == pytest.approx(7)
 
 
@@ -110,7 +113,7 @@ def test_two_robots_that_must_meet_at_two_victims_are_not_averaged() -> None:
     data = on_a_line([0.0, 0.0], [-1.0, 1.0], able)
     apart: Routes = (((0, (0,)), (1, (0,))), ((1, (1,)), (0, (1,))))
     assert value(data, apart, "latency") == 6
-    routes, bound = search_latency(data, apart)
+    routes, bound = closed_in(data, "latency", apart)
     assert value(data, routes, "latency") == pytest.approx(4)
     assert bound.value == pytest.approx(4)
 
@@ -118,11 +121,11 @@ def test_two_robots_that_must_meet_at_two_victims_are_not_averaged() -> None:
 def test_it_stops_at_the_gap_that_is_allowed() -> None:
     data = small_mission(0, 4, 12)
     worst = any_routes(data)
-    routes, bound = search_latency(data, worst, gap=0.2, time_limit=LONG)
+    routes, bound = closed_in(data, "latency", worst, RelativeGap(0.2) | MaximumRuntime(LONG))
     worth = value(data, routes, "latency")
     assert bound.value >= 0.8 * worth - 1e-6
     seen: list[str] = []
-    search_latency(data, worst, gap=1.0, report=lambda *state: seen.append(state[3]))
+    closed_in(data, "latency", worst, RelativeGap(1), Told(lambda _, what: seen.append(what)))
     assert seen == ["combinatorial"]
 
 
@@ -135,7 +138,7 @@ def test_asked_to_stop_it_keeps_what_it_has() -> None:
         asked.append(1)
         return len(asked) > 3
 
-    routes, bound = search_latency(data, incumbent, time_limit=LONG, should_stop=stop)
+    routes, bound = closed_in(data, "latency", incumbent, MaximumRuntime(LONG) | Interruption(stop))
     assert not faults(data, routes)
     assert 0 < bound.value <= value(data, routes, "latency") <= value(data, incumbent, "latency")
 
@@ -143,7 +146,7 @@ def test_asked_to_stop_it_keeps_what_it_has() -> None:
 def test_without_time_there_is_the_combinatorial_bound() -> None:
     data = small_mission(2, 4, 12)
     incumbent = any_routes(data)
-    routes, bound = search_latency(data, incumbent, time_limit=0.0)
+    routes, bound = closed_in(data, "latency", incumbent, MaximumRuntime(0))
     assert routes == incumbent
     assert isinstance(bound, Bound)
     assert bound.proof == "combinatorial"
@@ -152,14 +155,14 @@ def test_without_time_there_is_the_combinatorial_bound() -> None:
 def test_places_that_take_no_time_leave_the_combinatorial_bound() -> None:
     """Two victims at one place and no service: nothing orders the visits in time."""
     data = on_a_line([0.0], [2.0, 2.0], [[[True], [True]]])
-    _, bound = search_latency(data, any_routes(data), time_limit=LONG)
+    _, bound = closed_in(data, "latency", any_routes(data), MaximumRuntime(LONG))
     assert bound.value == pytest.approx(4)
 
 
 def test_routes_that_are_not_feasible_are_refused() -> None:
     data = small_mission(0)
     with pytest.raises(InputError, match="incumbent"):
-        search_latency(data, ((),) * data.n_robots)
+        closed_in(data, "latency", ((),) * data.n_robots)
 
 
 @pytest.mark.parametrize(
@@ -167,9 +170,11 @@ def test_routes_that_are_not_feasible_are_refused() -> None:
 )
 def test_latency_comes_in_steps_of_time_and_priority(priorities: list[float], step: float) -> None:
     data = on_a_line([0.0], [2.0, 5.0], [[[True], [True]]])
-    assert latency_grain(replace(data, priority=np.array(priorities))).step == pytest.approx(step)
+    assert objective_step(
+        replace(data, priority=np.array(priorities)), "latency"
+    ).step == pytest.approx(step)
     odd = replace(data, priority=np.array([1.0, np.pi]))
-    assert latency_grain(odd).step == 0
+    assert objective_step(odd, "latency").step == 0
 
 
 def test_a_bound_that_follows_at_once_needs_no_prices() -> None:
@@ -184,5 +189,5 @@ def test_a_bound_that_follows_at_once_needs_no_prices() -> None:
         endurance=np.full(2, np.inf),
         longest_walk=np.full(2, np.inf),
     )
-    _, bound = search_latency(data, (((0, (0,)),), ((1, (0,)),)))
+    _, bound = closed_in(data, "latency", (((0, (0,)),), ((1, (0,)),)))
     assert (bound.value, bound.proof, bound.latency) == (9.0, "combinatorial", None)

@@ -9,24 +9,31 @@ from itertools import combinations
 import numpy as np
 import pytest
 from support.joint_oracle import least
+from support.searches import closed_in
 
-from msmrta_opt.routing.branch_and_cut.search import _Run, strong_bound
+from msmrta_opt.routing.branch_and_cut.search import _Run
 from msmrta_opt.routing.heuristics import robot_subsets as parts
 from msmrta_opt.routing.heuristics.robot_subsets import improve_by_parts, part_of, put_back
-from msmrta_opt.routing.heuristics.ruin_and_recreate import improve
-from msmrta_opt.routing.problem import Objective, Routes, RoutingData, faults, times, value
+from msmrta_opt.routing.heuristics.ruin_and_recreate import ruin_and_recreate
+from msmrta_opt.routing.incumbent import Progress
+from msmrta_opt.routing.objectives import value
+from msmrta_opt.routing.parameters import Parameters
+from msmrta_opt.routing.problem import Routes, RoutingData, faults, times
+from msmrta_opt.routing.stop import MaximumIterations, MaximumRuntime
 
 from .test_ruin_and_recreate import first_come, limited, random_data
 
-BOTH: tuple[Objective, ...] = ("total_time", "makespan")
+BOTH: tuple[str, ...] = ("total_time", "makespan")
 
 
-def searched(objective: Objective) -> parts.Solve:
-    return lambda part, routes, seconds: improve(part, routes, objective, iterations=60)
+def searched(objective: str) -> parts.Solve:
+    return lambda part, routes, seconds: ruin_and_recreate(
+        part, routes, objective, stop=MaximumIterations(60)
+    )
 
 
-def proven(objective: Objective) -> parts.Solve:
-    return lambda part, routes, seconds: strong_bound(part, objective, routes)[0]
+def proven(objective: str) -> parts.Solve:
+    return lambda part, routes, seconds: closed_in(part, objective, routes)[0]
 
 
 def alike(n: int) -> np.ndarray:
@@ -53,7 +60,7 @@ def test_a_part_is_what_its_robots_serve_together(seed: int) -> None:
 
 @pytest.mark.parametrize("objective", BOTH)
 @pytest.mark.parametrize("seed", range(4))
-def test_routes_get_no_worse_and_stay_feasible(seed: int, objective: Objective) -> None:
+def test_routes_get_no_worse_and_stay_feasible(seed: int, objective: str) -> None:
     data = random_data(seed, 7, 12, 20)
     routes = first_come(data)
     found = improve_by_parts(
@@ -176,7 +183,8 @@ def test_few_robots_have_no_parts() -> None:
 def test_a_point_a_hair_below_its_bounds_is_drawn_from_all_the_same() -> None:
     data = random_data(8, 7, 12, 20)
     routes = first_come(data)
-    run = _Run(data, "total_time", routes, 20.0, 0.0, 0, None, None)
+    progress = Progress(data, "total_time", routes, stop=MaximumRuntime(20))
+    run = _Run(progress, 0, Parameters())
     relaxed = run.relax()
     run.by_robots(replace(relaxed, point=relaxed.point - 1e-9), seconds=20.0)
-    assert value(data, run.routes, "total_time") < value(data, routes, "total_time")
+    assert value(data, progress.routes, "total_time") < value(data, routes, "total_time")

@@ -11,9 +11,11 @@ import pytest
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.planners import plan
-from msmrta_opt.planners.support.improvement import OBJECTIVES, routes_of
-from msmrta_opt.routing.heuristics.ruin_and_recreate import improve
-from msmrta_opt.routing.problem import Objective, Routes, RoutingData, faults, value
+from msmrta_opt.planners.support.improvement import routes_of
+from msmrta_opt.routing.heuristics.ruin_and_recreate import ruin_and_recreate
+from msmrta_opt.routing.objectives import OBJECTIVES, value
+from msmrta_opt.routing.problem import Routes, RoutingData, faults
+from msmrta_opt.routing.stop import Interruption, MaximumIterations, MaximumRuntime
 from msmrta_opt.stages.joint_routing import routing_data
 from msmrta_opt.stages.situation import Situation
 
@@ -71,7 +73,7 @@ def every_answer(data: RoutingData) -> Iterator[Routes]:
         yield from itertools.product(*(itertools.permutations(own.items()) for own in visits))
 
 
-def worths(data: RoutingData, routes: Routes) -> tuple[dict[Objective, float], list[float]]:
+def worths(data: RoutingData, routes: Routes) -> tuple[dict[str, float], list[float]]:
     """Objectives, and travel of each robot, step by step; apart from the code under test."""
     ends, travels = [], []
     done = dict.fromkeys(range(data.n_victims), 0.0)
@@ -98,7 +100,9 @@ def test_the_optimum_of_tiny_missions_is_found_for_every_objective(seed: int, ba
     data = random_data(seed, 2, 4, 6, back=back)
     answers = [worths(data, routes)[0] for routes in every_answer(data)]
     for objective in OBJECTIVES:
-        found = improve(data, first_come(data), objective, iterations=1500, seed=seed)
+        found = ruin_and_recreate(
+            data, first_come(data), objective, stop=MaximumIterations(1500), seed=seed
+        )
         best = min(answer[objective] for answer in answers)
         assert worths(data, found)[0][objective] == pytest.approx(best)
 
@@ -114,7 +118,7 @@ def test_the_optimum_is_found_within_limits(seed: int) -> None:
     kept = [worth for worth, beyond in (worths(data, r) for r in answers) if max(beyond) <= 1e-9]
     assert 0 < len(kept) < len(answers)
     for objective in OBJECTIVES:
-        found = improve(data, start, objective, iterations=1500, seed=seed)
+        found = ruin_and_recreate(data, start, objective, stop=MaximumIterations(1500), seed=seed)
         best = min(worth[objective] for worth in kept)
         worth, beyond = worths(data, found)
         assert max(beyond) <= 1e-6
@@ -123,23 +127,24 @@ def test_the_optimum_is_found_within_limits(seed: int) -> None:
 
 @pytest.mark.parametrize("objective", OBJECTIVES)
 @pytest.mark.parametrize("back", [False, True])
-def test_routes_get_no_worse_and_stay_feasible(objective: Objective, back: bool) -> None:
+def test_routes_get_no_worse_and_stay_feasible(objective: str, back: bool) -> None:
     for seed in range(10):
         data = random_data(seed, 4, 12, 20, back=back)
         start = first_come(data)
         if seed % 2:
             before = worths(data, start)[0]["makespan"]
             data = limited(data, before, before)
-        found = improve(data, start, objective, iterations=150, seed=seed)
+        found = ruin_and_recreate(data, start, objective, stop=MaximumIterations(150), seed=seed)
         assert faults(data, found) == []
         assert value(data, found, objective) <= value(data, start, objective)
 
 
 @pytest.mark.parametrize("objective", OBJECTIVES)
-def test_the_same_seed_gives_the_same_routes(objective: Objective) -> None:
+def test_the_same_seed_gives_the_same_routes(objective: str) -> None:
     data = random_data(1, 3, 10, 16)
     first, again = (
-        improve(data, first_come(data), objective, iterations=200, seed=5) for _ in range(2)
+        ruin_and_recreate(data, first_come(data), objective, stop=MaximumIterations(200), seed=5)
+        for _ in range(2)
     )
     assert first == again
 
@@ -147,35 +152,35 @@ def test_the_same_seed_gives_the_same_routes(objective: Objective) -> None:
 def test_routes_that_are_optimal_come_back_as_they_are() -> None:
     data = random_data(0, 2, 4, 6)
     best = min(every_answer(data), key=lambda routes: worths(data, routes)[0]["total_time"])
-    assert improve(data, best, iterations=100) == best
+    assert ruin_and_recreate(data, best, stop=MaximumIterations(100)) == best
 
 
 def test_the_search_ends_when_asked_to() -> None:
     data = random_data(0, 3, 10, 16)
     start = first_come(data)
-    assert improve(data, start, iterations=10**9, should_stop=lambda: True) == start
+    assert ruin_and_recreate(data, start, stop=Interruption(lambda: True)) == start
 
 
 def test_nothing_to_do_needs_no_search() -> None:
     data = random_data(0, 2, 3, 0)
-    assert improve(data, ((), ())) == ((), ())
+    assert ruin_and_recreate(data, ((), ())) == ((), ())
 
 
 def test_no_seconds_and_no_steps_change_nothing() -> None:
     data = random_data(0, 3, 10, 16)
     start = first_come(data)
-    assert improve(data, start, seconds=0.0) == start
-    assert improve(data, start, iterations=0) == start
+    assert ruin_and_recreate(data, start, stop=MaximumRuntime(0)) == start
+    assert ruin_and_recreate(data, start, stop=MaximumIterations(0)) == start
 
 
 def test_a_start_that_is_not_feasible_is_refused() -> None:
     data = random_data(0, 2, 4, 6)
     with pytest.raises(InputError, match=r"^routes: .* is served 0 times"):
-        improve(data, ((), ()))
+        ruin_and_recreate(data, ((), ()))
     start = first_come(data)
     makespan = worths(data, start)[0]["makespan"]
     with pytest.raises(InputError, match=r"^routes: .* beyond"):
-        improve(limited(data, makespan - 1, np.inf), start)
+        ruin_and_recreate(limited(data, makespan - 1, np.inf), start)
 
 
 @pytest.mark.parametrize(
@@ -183,7 +188,7 @@ def test_a_start_that_is_not_feasible_is_refused() -> None:
     [("total_time", 193.0), ("makespan", 66.0)],
 )
 def test_the_papers_mission_in_plain_cells_has_the_values_published(
-    objective: Objective, published: float, paper: Instance
+    objective: str, published: float, paper: Instance
 ) -> None:
     plain = paper.replace(
         scouts=(),
@@ -192,6 +197,6 @@ def test_the_papers_mission_in_plain_cells_has_the_values_published(
     )
     data = routing_data(Situation.of(plain))
     start = routes_of(plan(plain, planner="greedy"))
-    found = improve(data, start, objective, iterations=4000, seed=0)
+    found = ruin_and_recreate(data, start, objective, stop=MaximumIterations(4000), seed=0)
     assert faults(data, found) == []
     assert value(data, found, objective) == published

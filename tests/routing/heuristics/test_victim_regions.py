@@ -10,14 +10,25 @@ from msmrta_opt.routing.branch_and_cut.cutting_plane import Relaxed
 from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
 from msmrta_opt.routing.branch_and_cut.search import _Run
 from msmrta_opt.routing.heuristics.victim_regions import GROWTH, Regions
-from msmrta_opt.routing.problem import Objective, faults, value
+from msmrta_opt.routing.incumbent import Progress
+from msmrta_opt.routing.objectives import value
+from msmrta_opt.routing.parameters import Parameters
+from msmrta_opt.routing.problem import RoutingData, faults
+from msmrta_opt.routing.stop import MaximumRuntime
 
 from .test_ruin_and_recreate import first_come, random_data
 
-BOTH: tuple[Objective, ...] = ("total_time", "makespan")
+BOTH: tuple[str, ...] = ("total_time", "makespan")
 
 
-def columns_of(seed: int, objective: Objective) -> Columns:
+def begun(
+    kind: type[_Run], data: RoutingData, objective: str, seconds: float, seed: int
+) -> tuple[_Run, Progress]:
+    progress = Progress(data, objective, first_come(data), stop=MaximumRuntime(seconds))
+    return kind(progress, seed, Parameters()), progress
+
+
+def columns_of(seed: int, objective: str) -> Columns:
     data = random_data(seed, 3, 10, 16)
     return Columns.of(data, objective, value(data, first_come(data), objective))
 
@@ -43,7 +54,7 @@ def victims(columns: Columns, chosen: np.ndarray) -> set[int]:
 @pytest.mark.parametrize("objective", BOTH)
 @pytest.mark.parametrize("seed", range(3))
 def test_a_region_holds_all_columns_between_its_victims_and_no_others(
-    seed: int, objective: Objective
+    seed: int, objective: str
 ) -> None:
     columns = columns_of(seed, objective)
     regions = Regions(columns, np.zeros(columns.n_columns), seed)
@@ -92,15 +103,15 @@ def test_regions_grow_until_they_hold_all_and_shrink_to_the_smallest() -> None:
 
 
 @pytest.mark.parametrize("objective", BOTH)
-def test_region_by_region_routes_get_better_and_stay_feasible(objective: Objective) -> None:
+def test_region_by_region_routes_get_better_and_stay_feasible(objective: str) -> None:
     data = random_data(1, 7, 14, 24)
-    run = _Run(data, objective, first_come(data), 30.0, 0.0, 1, None, None)
-    before = run.value
+    run, progress = begun(_Run, data, objective, 30.0, 1)
+    before = progress.value
     relaxed = run.relax()
-    assert not run.done()
-    run.by_regions(relaxed, run.began + 5.0)
-    assert run.value < before
-    assert faults(data, run.routes) == []
+    assert not progress.done()
+    run.by_regions(relaxed, progress.began + 5.0)
+    assert progress.value < before
+    assert faults(data, progress.routes) == []
 
 
 def test_a_search_in_pieces_comes_to_the_same_as_one_tree(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -115,26 +126,28 @@ def test_a_search_in_pieces_comes_to_the_same_as_one_tree(monkeypatch: pytest.Mo
 
         def by_regions(self, relaxed: Relaxed, until: float) -> None:
             took.append("regions")
-            super().by_regions(relaxed, min(until, self.began + self.spent() + 5.0))
+            super().by_regions(
+                relaxed, min(until, self.progress.began + self.progress.spent() + 5.0)
+            )
 
         def polish(self, relaxed: Relaxed) -> None:
             """Nothing, so that something is left to find."""
 
     worth = []
     for whole in (True, False):
-        run = Noted(data, "total_time", first_come(data), 60.0, 0.0, 1, None, None)
+        run, progress = begun(Noted, data, "total_time", 60.0, 1)
         run.close_in(whole=whole)
-        assert faults(data, run.routes) == []
-        assert run.closed()
-        worth.append(run.value)
+        assert faults(data, progress.routes) == []
+        assert progress.open() <= 1e-6
+        worth.append(progress.value)
     assert worth[0] == pytest.approx(worth[1])
     assert took == ["robots", "regions"]
 
 
 def test_seeking_ends_with_its_share_of_the_time() -> None:
     data = random_data(9, 8, 30, 55)
-    run = _Run(data, "makespan", first_come(data), 4.0, 0.0, 0, None, None)
+    run, progress = begun(_Run, data, "makespan", 4.0, 0)
     relaxed = run.relax()
     run.seek(relaxed)
-    assert run.spent() < 4.0 + 5.0
-    assert faults(data, run.routes) == []
+    assert progress.spent() < 4.0 + 5.0
+    assert faults(data, progress.routes) == []

@@ -1,11 +1,14 @@
-"""A combinatorial bound on latency, by an assignment of requirements to places in queues.
+"""Bounds at once, before any search: one for each objective.
 
-A requirement g at victim v takes robot r at least
+*Total time and makespan*: each requirement alone, by whoever is soonest done with it.
 
-    p_rg = service_g + (least travel of r into v) / (number of kinds that r can serve at v),
+*Latency*: an assignment of requirements to places in queues. A requirement g at victim v takes robot r
+at least
+
+    p_rg = service_g + (shortest travel of r into v) / (number of kinds that r can serve at v),
 
 since a visit's way in is shared by what is served there. If g is the l-th from the end of r's queue,
-it delays l requirements, itself among them, so for requirements of one weight the least sum of
+it delays l requirements, itself among them, so for requirements of one weight the minimum sum of
 completion times is a linear assignment of requirements to places (r, l) at cost ``l p_rg`` (Horn 1973;
 Bruno, Coffman and Sethi 1974). A victim is done no sooner than the mean of its requirements, so each
 has the victim's priority over their number as its weight; unequal weights are taken apart into layers,
@@ -17,10 +20,42 @@ inequality: that no detour is shorter than the direct way.
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
-from ...arrays import Floats
-from ..problem import RoutingData
+from ..arrays import Floats
+from .problem import RoutingData
+
+
+def total_time_bound(data: RoutingData) -> float:
+    """No routes take a total time below this, in time units."""
+    travel = _soonest(data) - data.service[data.required]
+    return data.total_service + float(travel.max(initial=0.0))
+
+
+def makespan_bound(data: RoutingData) -> float:
+    """No routes have a makespan below this, in time units."""
+    return float(_soonest(data).max(initial=0.0))
+
+
+def _soonest(data: RoutingData) -> Floats:
+    """When each requirement is done and its robot home, if it serves nothing else, ``(n_required,)``."""
+    alone = _shortest_ways(data)[:, :, None] + data.service[None]
+    return np.asarray(np.where(data.able, alone, np.inf).min(axis=0, initial=np.inf)[data.required])
+
+
+def _shortest_ways(data: RoutingData) -> Floats:
+    """Shortest travel of r to v and home, by whatever detour, ``(n_robots, n_victims)``.
+
+    Where times satisfy the triangle inequality, as walking does, this is the direct way.
+    """
+    pair = data.can_visit[:, :, None] & data.can_visit[:, None, :]
+    between = np.where(pair, data.between, np.inf)
+    out, back = (np.where(data.can_visit, way, np.inf) for way in (data.leave, data.back))
+    while True:
+        shorter_out = np.minimum(out, (out[:, :, None] + between).min(axis=1))
+        shorter_back = np.minimum(back, (between + back[:, None, :]).min(axis=2))
+        if np.array_equal(shorter_out, out) and np.array_equal(shorter_back, back):
+            return np.asarray(out + back)
+        out, back = shorter_out, shorter_back
 
 
 def latency_bound(data: RoutingData) -> float:
@@ -40,7 +75,7 @@ def _each_alone(data: RoutingData) -> float:
 
 def _in_queues(data: RoutingData) -> float:
     victim, kind = np.nonzero(data.required)
-    time = _least_times(data)[:, victim, kind]
+    time = _shortest_times(data)[:, victim, kind]
     weight = (data.priority / np.maximum(data.required.sum(axis=1), 1))[victim]
     bound, below = 0.0, 0.0
     for level in np.unique(weight[weight > 0]):
@@ -49,7 +84,7 @@ def _in_queues(data: RoutingData) -> float:
     return float(bound)
 
 
-def _least_times(data: RoutingData) -> Floats:
+def _shortest_times(data: RoutingData) -> Floats:
     """p_rg, ``inf`` where r cannot serve g, ``(n_robots, n_victims, n_kinds)``."""
     away = data.between + np.where(np.eye(data.n_victims, dtype=bool), np.inf, 0.0)
     away = np.where(data.can_visit[:, :, None], away, np.inf)
@@ -59,7 +94,9 @@ def _least_times(data: RoutingData) -> Floats:
 
 
 def _unweighted(time: Floats) -> float:
-    """Least sum of completion times of jobs on unrelated machines, ``time (n_robots, n_jobs)``."""
+    """Minimum sum of completion times of jobs on unrelated machines, ``time (n_robots, n_jobs)``."""
+    from scipy.optimize import linear_sum_assignment
+
     n_jobs = time.shape[1]
     place = np.arange(1, n_jobs + 1)
     cost = (time[:, None, :] * place[None, :, None]).reshape(-1, n_jobs).T
