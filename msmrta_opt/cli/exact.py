@@ -51,9 +51,7 @@ def exact(
     from .outputs import check_outputs, write_plan
     from .tables import show_plan
 
-    check_outputs(
-        json, figure=figure, inputs=[instance, *([] if parameters is None else [parameters])]
-    )
+    check_outputs(json, figure=figure, inputs=[instance, parameters])
     tuned = None if parameters is None else Parameters.read(parameters)
     began = time.monotonic()
 
