@@ -73,5 +73,7 @@ def test_the_command_prints_both_tables_and_draws(
     assert "order of visits" in told
     assert "exact" in told
     assert picture.read_bytes().startswith(b"\x89PNG")
-    assert run([*arguments, "--objective", "latency"]) == 2
-    assert "total_time or makespan" in capsys.readouterr().err
+    assert run([*arguments, "--objective", "latency"]) == 0
+    assert "two_rooms: plans by latency" in capsys.readouterr().out
+    assert run([*arguments, "--objective", "duration"]) == 2
+    assert "total_time, makespan, latency" in capsys.readouterr().err
