@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ..mission.instance import Instance
+from ..mission.metrics import metrics_of
 from ..mission.plan import Plan
 from ..planners.support.improvement import STAGE as IMPROVED
 from ..stages.requirement_analysis import requirement_analysis
-from .console import number, say, seconds, table
+from .console import say, seconds, table
 
 EMPTY = "∅"
 
@@ -129,21 +130,7 @@ def _unserved(plan: Plan) -> None:
 
 
 def _metrics(plan: Plan) -> None:
-    m = plan.metrics
-    per_robot = ", ".join(f"{robot}: {cells}" for robot, cells in m.distance_of.items())
-    rows = [
-        (
-            "available requirements served",
-            f"{m.n_served} of {m.n_available} ({m.served_share:.0%})",
-        ),
-        ("victims fully served", f"{m.victims_fully_served} of {plan.instance.n_victims}"),
-        ("distance", f"{m.distance} cells ({per_robot})"),
-        ("total time, travel and service", f"{number(m.total_time)} time units"),
-        ("makespan", f"{number(m.makespan)} time units"),
-        ("latency, completion times summed by priority", f"{number(m.latency)} time units"),
-        ("mean completion time of victims", f"{number(m.mean_completion)} time units"),
-        ("the same, weighted by priority", f"{number(m.weighted_completion)} time units"),
-    ]
+    rows = [(entry.words, entry.text(plan.metrics)) for entry in metrics_of("plan")]
     table("Metrics", ["metric", "value"], rows)
 
 

@@ -8,19 +8,22 @@ Robots and victims are named by their ids.
 from __future__ import annotations
 
 import json
-from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt
+from pydantic import Field, NonNegativeInt
 
 from ..public import load
 from .files import write_text
-from .grid import Cell
 from .instance import CellField, Instance
-from .metrics import Metrics, metrics
+from .metrics import Metrics
 from .proof import LatencyProof, RootProof
+from .route import PlanRecord, Time
+from .route import Reason as Reason
+from .route import Route as Route
+from .route import Unserved as Unserved
+from .route import Visit as Visit
 from .validation import read_model
 
 if TYPE_CHECKING:
@@ -29,86 +32,11 @@ if TYPE_CHECKING:
 FORMAT: Literal["msmrta-plan/1"] = "msmrta-plan/1"
 
 
-class Reason(StrEnum):
-    """Why a requirement stays unserved: nobody can serve it, or nobody within the robots' limits."""
-
-    NO_ROBOT_HAS_IT = "no robot has it"
-    NO_CAPABLE_ROBOT_REACHES_IT = "no capable robot can reach it"
-    NOT_FOUND = "not found by the scouts"
-    BEYOND_ENDURANCE = "beyond the robots' endurance"
-    BEYOND_LONGEST_WALK = "beyond the robots' longest walk"
-    BEYOND_BOTH = "beyond the robots' endurance and longest walk"
-
-    @property
-    def limits(self) -> tuple[str, ...]:
-        """The options that would have to be raised for a robot to serve it; none if nobody could."""
-        return {
-            Reason.BEYOND_ENDURANCE: ("endurance",),
-            Reason.BEYOND_LONGEST_WALK: ("longest_walk",),
-            Reason.BEYOND_BOTH: ("endurance", "longest_walk"),
-        }.get(self, ())
-
-
-Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-
-
 LIMITS = ("endurance", "longest_walk", "return_to_start")
 """Most time units that a robot is busy; most cells that it walks; whether it ends where it began."""
 
 
-class _Record(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Visit(_Record):
-    """A robot at a victim.
-
-    ``cells`` are those walked from the robot's previous stop to the victim, both included;
-    ``arrival`` and ``departure`` are in time units; ``stage`` names what decided the visit.
-    """
-
-    victim: NonNegativeInt
-    served: tuple[str, ...]
-    stage: str
-    cells: Annotated[tuple[CellField, ...], Field(min_length=1)]
-    arrival: Time
-    departure: Time
-
-
-class Route(_Record):
-    """All that one robot does, in order. A robot without visits stays at its start.
-
-    ``back`` holds the cells walked after the last visit, if the robot returns to its start.
-    """
-
-    robot: NonNegativeInt
-    visits: tuple[Visit, ...] = ()
-    back: tuple[CellField, ...] = ()
-
-    @property
-    def cells(self) -> list[Cell]:
-        """All cells walked, in order, each stop once; empty for a robot that stays."""
-        walked: list[Cell] = []
-        for leg in (*(visit.cells for visit in self.visits), self.back):
-            walked.extend(leg[1:] if walked else leg)
-        return walked
-
-    @property
-    def distance(self) -> int:
-        """Cells walked, that is, moves made."""
-        legs = (*(visit.cells for visit in self.visits), self.back)
-        return sum(max(len(leg) - 1, 0) for leg in legs)
-
-
-class Unserved(_Record):
-    """A requirement that the plan leaves open, and why."""
-
-    victim: NonNegativeInt
-    kind: str
-    reason: Reason
-
-
-class Cluster(_Record):
+class Cluster(PlanRecord):
     """One cluster of victims: its mean, the free cell that stands for it, and who took it.
 
     ``centre`` is ``(row, col)`` as numbers; ``cell`` is ``None`` if no member can be reached.
@@ -121,7 +49,7 @@ class Cluster(_Record):
     deferred: tuple[NonNegativeInt, ...] = ()
 
 
-class Track(_Record):
+class Track(PlanRecord):
     """One scout's walk, a cell per step (the start first), and how far it sees."""
 
     scout: NonNegativeInt
@@ -129,7 +57,7 @@ class Track(_Record):
     cells: tuple[CellField, ...]
 
 
-class Find(_Record):
+class Find(PlanRecord):
     """A victim found: by which scout, at which step (0 is before the first move)."""
 
     victim: NonNegativeInt
@@ -137,7 +65,7 @@ class Find(_Record):
     step: NonNegativeInt
 
 
-class ScoutingReport(_Record):
+class ScoutingReport(PlanRecord):
     """What the scouts did and found.
 
     ``coverage[t]`` is the share of the cells that can be seen from some reachable cell and had
@@ -154,7 +82,7 @@ class ScoutingReport(_Record):
     ended: Literal["covered", "all victims found", "step limit"]
 
 
-class Certificate(_Record):
+class Certificate(PlanRecord):
     """What is proven about the answer to one integer program.
 
     ``bound`` and ``objective`` are in the model's own sense, ``gap`` is relative; ``proof`` says
@@ -179,7 +107,7 @@ class Certificate(_Record):
     pricing: LatencyProof | None = None
 
 
-class Plan(_Record):
+class Plan(PlanRecord):
     """The answer of a planner to an instance."""
 
     format: Literal["msmrta-plan/1"] = FORMAT
@@ -197,7 +125,8 @@ class Plan(_Record):
     @cached_property
     def metrics(self) -> Metrics:
         """How good the plan is; see `Metrics`."""
-        return metrics(self)
+        seconds = sum(self.planning_seconds.values())
+        return Metrics(self.instance, self.routes, self.unserved, seconds)
 
     @cached_property
     def known(self) -> Instance:
