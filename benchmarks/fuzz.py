@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import Any
 
 import msmrta_opt as mo
-from msmrta_opt.certify.bound import recheck
+from msmrta_opt.certify.certificates import recheck
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.isolation import Failure, run_isolated
 from msmrta_opt.mission.errors import InputError
@@ -220,7 +220,7 @@ def faults_of(made: Plan, objective: str) -> list[str]:
         wrong.append(f"value {value!r} is {getattr(made.metrics, objective)!r} by the plan itself")
     if certificate.check != "passed":
         wrong.append(f"check: {certificate.check}")
-    return wrong + [f"proved again: {line}" for line in recheck(made).problems]
+    return wrong + [f"proved again: {line}" for one in recheck(made) for line in one.problems]
 
 
 class _Stop:

@@ -1,8 +1,13 @@
-"""Bounds on whole plans, proved again from the instance and what is stored with the plan.
+"""Independent checks of plans and of what is claimed about them, from the mission alone.
 
-`recheck` is the entry; `joint` works the problem out anew, `duality` multiplies prices for total time
-and makespan, `pricing` finds the cheapest routes at prices for latency, `queues` bounds latency without
-any. All of it is in exact numbers, without a solver, and shares no code with the planners.
+Nothing of the planners is imported, no solver and no scipy. To read, in this order:
 
-`vipr` checks proofs of integer programs, from files that anybody may have written.
+- `plan` checks a plan; `scouting` and `clusters` check the reports that come with it, `same_mission`
+  whether it is for the mission at hand;
+- `certificates` checks what its certificates claim, by
+  `joint_problem`, the problem worked out again in exact numbers,
+  `linear_relaxation`, what dual values prove about total time and makespan,
+  `pricing_bound` with `ng_routes`, what they prove about latency,
+  `scheduling_bound` with `assignment`, a bound on latency that needs none;
+- `vipr` checks proofs of integer programs, from files that anybody may have written.
 """

@@ -9,33 +9,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
 
 from ..mission.exact import exact, greatest_common_divisor
-from ..mission.grid import Cell, GridMap
 from ..mission.instance import Instance
-from ..mission.plan import Plan
+from ..mission.plan import Plan, Reason
+from .walking import steps_from
+
+ROUNDING = Fraction(1, 10**9)
+"""Relative difference up to which two times are the same."""
 
 
-def steps_from(grid: GridMap, start: Cell) -> dict[Cell, int]:
-    """Moves from `start` to each cell that can be reached from it, by flood fill."""
-    free = grid.free.tolist()
-    n_rows, n_cols = grid.shape
-    steps = {start: 0}
-    border = [start]
-    while border:
-        onward = []
-        for row, col in border:
-            for cell in ((row + 1, col), (row - 1, col), (row, col + 1), (row, col - 1)):
-                inside = 0 <= cell[0] < n_rows and 0 <= cell[1] < n_cols
-                if inside and free[cell[0]][cell[1]] and cell not in steps:
-                    steps[cell] = steps[row, col] + 1
-                    onward.append(cell)
-        border = onward
-    return steps
+def figure(number: Fraction) -> str:
+    """`number` as people read it, whatever its size."""
+    try:
+        return f"{float(number):.9g}"
+    except OverflowError:
+        return "more than 1e308"
 
 
 def service_times(mission: Instance) -> dict[tuple[int, str], Fraction]:
@@ -47,25 +40,77 @@ def service_times(mission: Instance) -> dict[tuple[int, str], Fraction]:
     }
 
 
-def servable(plan: Plan) -> dict[tuple[int, int, str], Fraction]:
+@dataclass(frozen=True)
+class Limits:
+    """What is promised of every robot."""
+
+    endurance: Fraction | None
+    """Longest time that a robot may be busy."""
+    longest_walk: Fraction | None
+    """The number of moves that it may make."""
+    returns: bool
+    """Whether it walks back to its start."""
+
+    @classmethod
+    def of(cls, plan: Plan) -> Limits:
+        """Those that the options of `plan` name; rounding does not break them."""
+        endurance, walk = (plan.limits.get(name) for name in ("endurance", "longest_walk"))
+        return cls(
+            None if endurance is None else exact(endurance) * (1 + ROUNDING),
+            None if walk is None else exact(walk) * (1 + ROUNDING),
+            bool(plan.limits.get("return_to_start")),
+        )
+
+    def too_long(self, busy: Fraction) -> bool:
+        """Whether a robot that is busy for so long breaks them."""
+        return self.endurance is not None and busy > self.endurance
+
+    def too_far(self, moves: int) -> bool:
+        """Whether a robot that makes so many moves breaks them."""
+        return self.longest_walk is not None and moves > self.longest_walk
+
+
+def servable(known: Instance, limits: Limits) -> dict[tuple[int, int, str], Fraction]:
     """Which robot can serve what, within its limits if it does nothing else; and its travel there."""
-    known = plan.known
-    endurance, most = (plan.limits.get(name) for name in ("endurance", "longest_walk"))
-    ways = 2 if plan.limits.get("return_to_start") else 1
+    ways = 2 if limits.returns else 1
     service = service_times(known)
     found = {}
     for robot in known.robots:
         steps, speed = steps_from(known.map, robot.start), exact(robot.speed)
         for victim in known.victims:
             moves = steps.get(victim.cell)
-            if moves is None or (most is not None and ways * moves > exact(most)):
+            if moves is None or limits.too_far(ways * moves):
                 continue
             for kind in victim.requirements:
                 busy = ways * moves / speed + service[victim.id, kind]
-                within = endurance is None or busy <= exact(endurance)
-                if kind in robot.capabilities and within:
+                if kind in robot.capabilities and not limits.too_long(busy):
                     found[robot.id, victim.id, kind] = moves / speed
     return found
+
+
+def beyond_limits(plan: Plan) -> dict[tuple[int, str], Reason]:
+    """The requirements that nobody can serve within the limits, though without them, and why.
+
+    A limit is the reason where some robot keeps to the other; else both are.
+    """
+    known, limits = plan.known, Limits.of(plan)
+    in_time, in_walk, in_both, able = (
+        {(v, k) for _, v, k in servable(known, kept)}
+        for kept in (
+            replace(limits, longest_walk=None),
+            replace(limits, endurance=None),
+            limits,
+            replace(limits, endurance=None, longest_walk=None),
+        )
+    )
+    reasons = {
+        (False, True): Reason.BEYOND_ENDURANCE,
+        (True, False): Reason.BEYOND_LONGEST_WALK,
+    }
+    return {
+        task: reasons.get((task in in_time, task in in_walk), Reason.BEYOND_BOTH)
+        for task in able - in_both
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,11 +141,10 @@ class Joint:
     @classmethod
     def of(cls, plan: Plan) -> Joint:
         """The joint problem of `plan`, whose options hold its limits."""
-        known = plan.known
-        endurance, most = (plan.limits.get(name) for name in ("endurance", "longest_walk"))
+        known, limits = plan.known, Limits.of(plan)
         speed = {robot.id: exact(robot.speed) for robot in known.robots}
         cell = {victim.id: victim.cell for victim in known.victims}
-        ways = servable(plan)
+        ways = servable(known, limits)
         leave = {(r, v): way for (r, v, _), way in ways.items()}
         steps = {v: steps_from(known.map, cell[v]) for v in {v for _, v in leave}}
         between = {
@@ -114,11 +158,13 @@ class Joint:
             able=frozenset(ways),
             leave=leave,
             between=between,
-            returns=bool(plan.limits.get("return_to_start")),
+            returns=limits.returns,
             service={(v, k): times[v, k] for _, v, k in ways},
             priority={v.id: exact(v.priority) for v in known.victims if v.id in steps},
-            endurance=None if endurance is None else exact(endurance),
-            walk={} if most is None else {r: exact(most) / speed[r] for r in speed},
+            endurance=limits.endurance,
+            walk={}
+            if limits.longest_walk is None
+            else {r: limits.longest_walk / speed[r] for r in speed},
         )
 
     @cached_property
@@ -136,7 +182,7 @@ class Joint:
         return sum(self.service.values(), Fraction(0))
 
     def offset(self, objective: str) -> Fraction:
-        """What every answer costs: all service, for total time."""
+        """What every plan costs: all service, for total time."""
         return self.total_service if objective == "total_time" else Fraction(0)
 
     def travel(self, robot: int, victim: int, other: int) -> Fraction:
@@ -168,8 +214,8 @@ class Joint:
             complete[v] = max(complete.get(v, done), done)
         return complete
 
-    def grain(self, objective: str) -> Fraction:
-        """What answers' values differ by: multiples of this; 0 if they do not differ."""
+    def step(self, objective: str) -> Fraction:
+        """What plans' values differ by: multiples of this; 0 if they do not differ."""
         times: Iterable[Fraction] = [*self.leave.values(), *self.between.values()]
         if objective != "total_time":
             times = [*times, *self.service.values()]
@@ -181,12 +227,12 @@ class Joint:
         )
 
     def up(self, bound: Fraction, objective: str) -> Fraction:
-        """The least value from `bound` on that `objective` can take."""
-        step, offset = self.grain(objective), self.offset(objective)
+        """The smallest value from `bound` on that `objective` can take."""
+        step, offset = self.step(objective), self.offset(objective)
         return offset + step * math.ceil((bound - offset) / step) if step else max(bound, offset)
 
-    def at_once(self, objective: str) -> Fraction:
-        """A bound without any prices: each requirement alone, by whoever is soonest done with it."""
+    def each_alone(self, objective: str) -> Fraction:
+        """A bound without any dual values: each requirement as if it were the only one."""
         if objective == "latency":
             complete = self.soonest_complete
             return sum((self.priority[v] * done for v, done in complete.items()), Fraction(0))
@@ -196,6 +242,6 @@ class Joint:
             soonest[v, k] = min(soonest.get((v, k), way), way)
         if objective == "makespan":
             return max(
-                (soonest[need] + self.service[need] for need in soonest), default=Fraction(0)
+                (way + self.service[v, k] for (v, k), way in soonest.items()), default=Fraction(0)
             )
         return self.total_service + max(soonest.values(), default=Fraction(0))

@@ -1,24 +1,26 @@
 """The independent plan checker.
 
-It shares no code with the planners: reachability comes from its own flood fill, availability, moves
-and times are worked out again from the instance alone.
+It shares no code with the planners: reachability comes from its own flood fill, availability, moves,
+times, clusters and what scouts see are worked out again from the instance alone.
 """
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
+from fractions import Fraction
 from itertools import pairwise
-from math import isfinite
-from numbers import Real
+from math import inf
 
+from ..arrays import Ints
 from ..mission.errors import CheckError
+from ..mission.exact import exact
 from ..mission.grid import Cell
 from ..mission.instance import Instance
 from ..mission.plan import Plan, Reason
-from .joint_problem import servable
-
-TOLERANCE = 1e-6
-"""Time units by which arrival and departure may differ from the walked distance."""
+from . import clusters, scouting
+from .joint_problem import ROUNDING, Limits, beyond_limits, figure
+from .walking import components
 
 
 def problems(plan: Plan) -> list[str]:
@@ -27,12 +29,21 @@ def problems(plan: Plan) -> list[str]:
     Robots and victims exist and each robot has at most one route; routes start at the robot's
     start and move one free cell at a time; each visit ends at its victim, at the right time, and
     serves kinds that the robot has and the victim needs; each available requirement is served
-    exactly once; what is unserved is listed once, with the true reason; and robots keep to the
+    exactly once; what is unserved is listed once, with the true reason; robots keep to the
     limits that the plan's options say it was made under (``endurance`` in time units,
-    ``longest_walk`` in cells, ``return_to_start``).
+    ``longest_walk`` in cells, ``return_to_start``); scouts did what is reported of them; and clusters
+    are what they are said to be.
     """
-    wrong = _names(plan) + _limits(plan)
-    return wrong or _routes(plan) + _within_limits(plan) + _services(plan)
+    wrong = _names(plan) + _limits(plan) + scouting.problems(plan)
+    if wrong:
+        return wrong
+    component = components(plan.instance.map)
+    return [
+        *_routes(plan),
+        *_within_limits(plan),
+        *_services(plan, component),
+        *clusters.problems(plan, component),
+    ]
 
 
 def check_plan(plan: Plan) -> Plan:
@@ -65,7 +76,7 @@ def _names(plan: Plan) -> list[str]:
                 there = f"robot {route.robot} visits victim {visit.victim}"
                 wrong.append(f"{there}, which is not there")
     wrong.extend(
-        f"victim {item.victim} is listed as unserved for {item.kind}, not its need"
+        f"victim {item.victim} is listed as unserved for {item.kind}, which it does not need"
         for item in plan.unserved
         if item.kind not in kinds_of.get(item.victim, set())
     )
@@ -82,166 +93,147 @@ def _limits(plan: Plan) -> list[str]:
     """The limits that the plan was made under are numbers, and whether to return is yes or no."""
     wrong = []
     for name in ("endurance", "longest_walk"):
-        most = plan.limits.get(name)
-        number = isinstance(most, Real) and not isinstance(most, bool)
-        if most is not None and not (number and isfinite(most) and most >= 0):
-            wrong.append(f"option {name} is {most!r}, which is no number from 0 on")
+        limit = plan.limits.get(name)
+        number = isinstance(limit, (int, float)) and not isinstance(limit, bool)
+        if limit is not None and not (number and 0 <= limit < inf):
+            wrong.append(f"option {name} is {_shown(limit)}, which is no number from 0 on")
     returns = plan.limits.get("return_to_start")
     if returns is not None and not isinstance(returns, bool):
-        wrong.append(f"option return_to_start is {returns!r}, which is not true or false")
+        wrong.append(f"option return_to_start is {_shown(returns)}, which is not true or false")
     return wrong
 
 
-def _routes(plan: Plan) -> list[str]:
+def _shown(value: object) -> str:
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):
+        return "too long to show"
+    return text if len(text) <= 60 else f"{text[:59]}…"
+
+
+def _routes(plan: Plan) -> Iterator[str]:
     """Moves legal, stops where they should be, times consistent."""
     instance = plan.instance
     robots = {robot.id: robot for robot in instance.robots}
     victims = {victim.id: victim for victim in instance.victims}
-    wrong: list[str] = []
     for route in plan.routes:
         robot = robots[route.robot]
-        here, clock = robot.start, 0.0
+        here, clock, speed = robot.start, Fraction(0), exact(robot.speed)
         for visit in route.visits:
             where = f"robot {robot.id} on its way to victim {visit.victim}"
             victim = victims[visit.victim]
-            wrong.extend(_walk(instance, where, here, victim.cell, visit.cells))
-            arrival = clock + (len(visit.cells) - 1) / robot.speed
-            if abs(visit.arrival - arrival) > TOLERANCE:
-                wrong.append(f"{where} arrives at {visit.arrival:g}, which should be {arrival:g}")
-            service = sum(
-                victim.service_time.get(kind, instance.service_time.get(kind, 0.0))
-                for kind in visit.served
-            )
-            departure = arrival + service
-            if abs(visit.departure - departure) > TOLERANCE:
-                wrong.append(
-                    f"{where} leaves at {visit.departure:g}, which should be {departure:g}"
-                )
-            here, clock = victim.cell, departure
+            yield from _walk(instance, where, here, victim.cell, visit.cells)
+            clock += (len(visit.cells) - 1) / speed
+            if _differs(visit.arrival, clock):
+                yield f"{where} arrives at {visit.arrival:g}, which should be {figure(clock)}"
+            for kind in visit.served:
+                clock += exact(victim.service_time.get(kind, instance.service_time.get(kind, 0.0)))
+            if _differs(visit.departure, clock):
+                yield f"{where} leaves at {visit.departure:g}, which should be {figure(clock)}"
+            here = victim.cell
         if route.back and not route.visits:
-            wrong.append(f"robot {robot.id} walks without a visit")
+            yield f"robot {robot.id} walks without a visit"
         elif route.back:
-            wrong.extend(
-                _walk(instance, f"robot {robot.id} on its way back", here, robot.start, route.back)
-            )
-    return wrong
+            where = f"robot {robot.id} on its way back"
+            yield from _walk(instance, where, here, robot.start, route.back)
 
 
-def _within_limits(plan: Plan) -> list[str]:
+def _differs(said: float, true: Fraction) -> bool:
+    return abs(exact(said) - true) > ROUNDING * true
+
+
+def _within_limits(plan: Plan) -> Iterator[str]:
     """No robot is busy or walks beyond its limits, and all return if they are to."""
-    endurance, longest_walk = (plan.limits.get(name) for name in ("endurance", "longest_walk"))
+    limits = Limits.of(plan)
     robots = {robot.id: robot for robot in plan.instance.robots}
-    wrong = []
     for route in plan.routes:
         if not route.visits:
             continue
         robot, last = robots[route.robot], route.visits[-1]
-        busy = last.departure + max(len(route.back) - 1, 0) / robot.speed
-        if endurance is not None and busy > endurance + TOLERANCE:
-            wrong.append(f"robot {robot.id} is busy for {busy:g}, beyond its {endurance:g}")
-        if longest_walk is not None and route.distance > longest_walk:
-            wrong.append(f"robot {robot.id} walks {route.distance}, beyond its {longest_walk:g}")
-        stays = not route.back and last.cells[-1] != robot.start
-        if plan.limits.get("return_to_start") and stays:
-            wrong.append(f"robot {robot.id} stays at {last.cells[-1]} instead of returning")
-    return wrong
+        busy = exact(last.departure) + max(len(route.back) - 1, 0) / exact(robot.speed)
+        if limits.too_long(busy):
+            limit = figure(exact(plan.limits["endurance"]))
+            yield f"robot {robot.id} is busy for {figure(busy)}, beyond its {limit}"
+        if limits.too_far(route.distance):
+            limit = figure(exact(plan.limits["longest_walk"]))
+            yield f"robot {robot.id} walks {route.distance}, beyond its {limit}"
+        if limits.returns and not route.back and last.cells[-1] != robot.start:
+            yield f"robot {robot.id} stays at {last.cells[-1]} instead of returning"
 
 
 def _walk(
     instance: Instance, where: str, start: Cell, end: Cell, cells: tuple[Cell, ...]
-) -> list[str]:
-    wrong = []
+) -> Iterator[str]:
     if cells[0] != start:
-        wrong.append(f"{where} sets out from {cells[0]}, but is at {start}")
+        yield f"{where} sets out from {cells[0]}, but is at {start}"
     if cells[-1] != end:
-        wrong.append(f"{where} ends at {cells[-1]}, not at {end}")
-    for row, col in cells:
-        if not instance.map.is_free((row, col)):
-            wrong.append(f"{where} enters {(row, col)}, which is not a free cell")
+        yield f"{where} ends at {cells[-1]}, not at {end}"
+    for cell in cells:
+        if not instance.map.is_free(cell):
+            yield f"{where} enters {cell}, which is not a free cell"
     for (r0, c0), (r1, c1) in pairwise(cells):
         if abs(r0 - r1) + abs(c0 - c1) != 1:
-            wrong.append(f"{where} jumps from {(r0, c0)} to {(r1, c1)}")
-    return wrong
+            yield f"{where} jumps from {(r0, c0)} to {(r1, c1)}"
 
 
-def _services(plan: Plan) -> list[str]:
+def _services(plan: Plan, component: Ints) -> Iterator[str]:
     """Capabilities present, each available requirement served once, the rest rightly listed."""
     instance = plan.instance
     robots = {robot.id: robot for robot in instance.robots}
-    victims = {victim.id: victim for victim in instance.victims}
+    kinds_of = {victim.id: victim.requirements for victim in instance.victims}
     hidden = set(plan.scouting.not_found) if plan.scouting else set()
-    component = _components(instance)
-    wrong: list[str] = []
     served: Counter[tuple[int, str]] = Counter()
     for route in plan.routes:
         for visit in route.visits:
             if visit.victim in hidden:
-                wrong.append(f"victim {visit.victim} is visited, but was not found")
+                yield f"victim {visit.victim} is visited, but was not found"
             for kind in visit.served:
                 served[visit.victim, kind] += 1
                 if kind not in robots[route.robot].capabilities:
-                    wrong.append(f"robot {route.robot} serves {kind} without having it")
-                if kind not in victims[visit.victim].requirements:
-                    wrong.append(f"victim {visit.victim} is served {kind} without needing it")
+                    yield f"robot {route.robot} serves {kind} without having it"
+                if kind not in kinds_of[visit.victim]:
+                    yield f"victim {visit.victim} is served {kind} without needing it"
     listed = Counter((item.victim, item.kind) for item in plan.unserved)
-    reason = {(item.victim, item.kind): item.reason for item in plan.unserved}
-    is_limited = any(said.limits for said in reason.values())
-    within = {(v, k) for _, v, k in servable(plan)} if is_limited else set()
+    said = {(item.victim, item.kind): item.reason for item in plan.unserved}
+    beyond = beyond_limits(plan) if any(reason.limits for reason in said.values()) else {}
     for victim in instance.victims:
         for kind in victim.requirements:
-            need = (victim.id, kind)
+            requirement = (victim.id, kind)
             what = f"{kind} of victim {victim.id}"
-            if served[need] + listed[need] != 1:
-                wrong.append(f"{what} is served {served[need]}× and unserved {listed[need]}×")
-            capable = [robot for robot in instance.robots if kind in robot.capabilities]
-            reaching = [r for r in capable if component[r.start] == component[victim.cell]]
-            true = (
-                Reason.NOT_FOUND
-                if victim.id in hidden
-                else Reason.NO_ROBOT_HAS_IT
-                if not capable
-                else Reason.NO_CAPABLE_ROBOT_REACHES_IT
-                if not reaching
-                else None
-            )
-            if listed[need]:
-                said = reason[need]
-                if true is None and _is_under(plan, said):
-                    if need in within:
-                        wrong.append(f"{what} is unserved, but is within some robot's limits")
+            if served[requirement] + listed[requirement] != 1:
+                yield (
+                    f"{what} is served {served[requirement]}× and unserved {listed[requirement]}×"
+                )
+            if not listed[requirement]:
+                continue
+            excuse = said[requirement]
+            true = _reason(plan, victim.id in hidden, kind, victim.cell, component)
+            if true is None and _is_under(plan, excuse):
+                true = beyond.get(requirement)
+                if true is None:
+                    yield f"{what} is unserved, but is within some robot's limits"
                     continue
-                if said != true:
-                    wrong.append(
-                        f"{what} is unserved for {str(said)!r}; in truth: {true or 'available'}"
-                    )
-    return wrong
+                if excuse is Reason.BEYOND_ENDURANCE:  # in the files of before, of either limit
+                    continue
+            if excuse != true:
+                yield f"{what} is unserved for {str(excuse)!r}; in truth: {true or 'available'}"
 
 
 def _is_under(plan: Plan, reason: Reason) -> bool:
     """Whether the plan was made under the limits for which it says that a requirement stays open."""
     given = {name for name in ("endurance", "longest_walk") if plan.limits.get(name) is not None}
-    if reason is Reason.BEYOND_ENDURANCE:  # in the files of before, of either limit
+    if reason is Reason.BEYOND_ENDURANCE:
         return bool(given)
     return bool(reason.limits) and given.issuperset(reason.limits)
 
 
-def _components(instance: Instance) -> dict[Cell, int]:
-    """The connected component of each free cell, by flood fill."""
-    component: dict[Cell, int] = {}
-    n_rows, n_cols = instance.map.shape
-    free = instance.map.free.tolist()
-    for row in range(n_rows):
-        for col in range(n_cols):
-            if not free[row][col] or (row, col) in component:
-                continue
-            label = len(component)
-            component[row, col] = label
-            border = [(row, col)]
-            while border:
-                r, c = border.pop()
-                for cell in ((r + 1, c), (r - 1, c), (r, c + 1), (r, c - 1)):
-                    inside = 0 <= cell[0] < n_rows and 0 <= cell[1] < n_cols
-                    if inside and free[cell[0]][cell[1]] and cell not in component:
-                        component[cell] = label
-                        border.append(cell)
-    return component
+def _reason(plan: Plan, hidden: bool, kind: str, cell: Cell, component: Ints) -> Reason | None:
+    """Why a requirement cannot be served, apart from limits; ``None`` if it can."""
+    if hidden:
+        return Reason.NOT_FOUND
+    capable = [robot for robot in plan.instance.robots if kind in robot.capabilities]
+    if not capable:
+        return Reason.NO_ROBOT_HAS_IT
+    if not any(component[robot.start] == component[cell] for robot in capable):
+        return Reason.NO_CAPABLE_ROBOT_REACHES_IT
+    return None

@@ -1,46 +1,50 @@
-r"""What prices prove about latency, worked out again from the instance.
+r"""What dual values prove about latency, worked out again from the instance.
 
-Let need g of victim v be rewarded with ρ_g, and charged φ_g(t) = ∫ μ_g from 0 to t if done at t, where
+Let task g of victim v have the dual value ρ_g, and the cost φ_g(t) = ∫ μ_g from 0 to t if done at t,
+where the densities
 
-    μ_g(t) ≥ 0    and    Σ_g μ_g(t) ≤ priority_v    at every time t, over the needs g of v.
+    μ_g(t) ≥ 0    and    Σ_g μ_g(t) ≤ priority_v    at every time t, over the tasks g of v.
 
-At each time before v is complete no more than its priority is charged, so its weighted completion time
-is at least Σ_g φ_g(t_g). Every need is served once; so no plan has a latency below
+At each time before v is complete the densities of tasks not yet done add up to no more than its
+priority, so its weighted completion time is at least Σ_g φ_g(t_g). Every task is served once; so no plan
+has a latency below
 
-    Σ_g ρ_g + Σ_r min(0, least Σ (φ_g(t_g) − ρ_g) of a route of robot r).
+    Σ_g ρ_g + Σ_r min(0, minimum Σ (φ_g(t_g) − ρ_g) of a route of robot r).
 
-The least is that of relaxed routes (`relaxed_routes`), found by dynamic programming.
+The minimum is that of ng-routes (`ng_routes`), the pricing problem, found by dynamic programming.
 
 Only plans better than the one at hand matter. What costs more on every path than those can afford is
-ruled out: services at certain steps, and legs. So every round of prices is on a smaller network than
-the one before, and proves more.
+ruled out: services at certain steps, and legs. So every round is on a smaller network than the one
+before, and proves more.
 
-All costs are whole numbers of one small unit: what needs are charged is rounded down to it, which the
-proof allows, and nothing else is rounded.
+All costs are whole numbers of one small unit: what tasks cost is rounded down to it, which the proof
+allows, and nothing else is rounded.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from bisect import bisect_right
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 
+from ..arrays import Ints
 from ..mission.errors import CheckError
 from ..mission.exact import exact
-from ..mission.proof import LatencyProof, PriceRound
+from ..mission.proof import LatencyProof, PricingRound
 from .joint_problem import Joint
-from .relaxed_routes import Deadlines, Ints, Need, Network, last_services
+from .ng_routes import NEVER, Deadlines, Network, Task
+from .scheduling_bound import power_of_two_below
 
-_MOST_BITS, _FEWEST_BITS = 40, 8
-"""A unit of cost is 2 to the minus so many bits."""
-_CHARGE_BITS = 60
-"""Charges are counted in 2 to the minus so many bits."""
+_BITS = 60
+"""Every sum of costs is a number of so many."""
+_DENSITY_BITS = 60
+"""Densities are counted in the priority's parts, 2 to the power of so many."""
 
 
-def proved(joint: Joint, proof: LatencyProof, worth: Fraction) -> Fraction:
+def pricing_bound(joint: Joint, proof: LatencyProof, worth: Fraction) -> Fraction:
     """What `proof` proves about the latency of all plans.
 
     Parameters
@@ -48,85 +52,81 @@ def proved(joint: Joint, proof: LatencyProof, worth: Fraction) -> Fraction:
     joint : Joint
         The joint problem.
     proof : LatencyProof
-        Prices, round by round.
+        Dual values, round by round.
     worth : Fraction
         What the plan at hand is worth; nothing more is ever proved.
 
     Raises
     ------
     CheckError
-        If prices are of what there is not, charge too much, or are too large to count with.
+        If dual values are of what there is not, densities are too high, or there is more than can be
+        counted.
     """
-    needs = _needs(joint)
-    most = worth - joint.grain("latency")
-    deadlines = _deadlines(joint, most)
+    tasks = _tasks(joint)
+    better = worth - joint.step("latency")
+    deadlines = _deadlines(joint, better)
     if deadlines is None:
         return worth
-    clocks = _clocks(joint, proof)
-    unit = _unit(joint, proof, clocks, deadlines)
-    networks = [Network(joint, needs, r, clocks[r], deadlines, unit.parts) for r in _movers(joint)]
+    steps = _time_steps(joint, proof)
+    networks = [Network(joint, tasks, r, steps[r], deadlines) for r in steps]
+    unit = _unit(joint, proof, networks)
     best = Fraction(0)
     for number, part in enumerate(proof.rounds):
-        prices = _prices(joint, needs, part, unit, f"round {number}")
-        remembered = _remembered(joint, part, f"round {number}")
-        total = sum(price.reward for price in prices.values())
-        priced = []
+        name = f"round {number}"
+        duals = _duals(joint, tasks, part, unit, name)
+        remembered = _remembered(joint, part, name)
+        total = sum(dual.value for dual in duals.values())
+        found = []
         for network in networks:
             states = network.states(remembered)
-            cost = network.cost(prices)
+            cost = network.cost(duals)
             there = states.forward(cost)
-            least = min(0, int(there.min()))
-            total += least
-            priced.append((network, states, cost, there, least))
-        best = max(best, Fraction(total) / unit.scale)
-        if best > most:
+            cheapest = min(0, int(there.min()))
+            total += cheapest
+            found.append((network, states, cost, there, cheapest))
+        best = max(best, total * unit)
+        if best > better:
             return worth
         if number + 1 < len(proof.rounds):
-            spare = math.floor(most * unit.scale) - total
-            for network, states, cost, there, least in priced:
-                network.rule_out(states, cost, there, spare + least)
+            spare = math.floor(better / unit) - total
+            for network, states, cost, there, cheapest in found:
+                network.rule_out(states, cost, there, min(spare + cheapest, NEVER - 1))
     return best
 
 
-@dataclass(frozen=True)
-class _Unit:
-    """How times and costs are counted."""
-
-    parts: int
-    """Of a time unit; the robots' steps are whole numbers of them."""
-    bits: int
-    """Binary digits of costs."""
-
-    @property
-    def scale(self) -> int:
-        """Units of cost that make up 1."""
-        return 1 << self.bits
-
-
 @dataclass(frozen=True, eq=False)
-class _Price:
-    """Of one need: its reward in units of cost, and its charges."""
+class _Dual:
+    """Of one task, in exact numbers."""
 
-    unit: _Unit
-    reward: int
-    begin: Ints
-    """Where the steps of its charges begin, in parts; the first at 0."""
-    charge: tuple[int, ...]
-    """For each part of each step, in `_CHARGE_BITS`."""
+    unit: Fraction
+    """Of costs."""
+    value: int
+    """Of its being served, in units of cost."""
+    priority: Fraction
+    breakpoints: tuple[Fraction, ...]
+    """Where its densities begin, the first at 0."""
+    densities: tuple[int, ...]
+    """In shares of the priority, of `_DENSITY_BITS`."""
 
-    def cost(self, times: Ints) -> Ints:
-        """Charges less the reward, for being done at `times`, in parts; whole numbers of any size."""
-        step = self.begin.searchsorted(times, side="right") - 1
-        length = np.diff(self.begin).astype(object)
-        charge = np.array(self.charge, dtype=object)
-        before = np.concatenate([[0], np.cumsum(length * charge[:-1])])
-        charged = before[step] + charge[step] * (times - self.begin[step]).astype(object)
-        divisor = self.unit.parts << (_CHARGE_BITS - self.unit.bits)
-        return np.asarray(charged // divisor - self.reward, dtype=np.int64)
+    def cost(self, step: Fraction, n: int) -> Ints:
+        """Of being done at 0, 1, …, n - 1 times `step`, less the dual value, in units."""
+        parts = math.lcm(step.denominator, *(time.denominator for time in self.breakpoints))
+        begin = [int(time * parts) for time in self.breakpoints]
+        before = [0]
+        for here, there, density in zip(begin, begin[1:], self.densities, strict=False):
+            before.append(before[-1] + density * (there - here))
+        worth = self.priority / (self.unit * parts * 2**_DENSITY_BITS)
+        top, bottom, length = worth.numerator, worth.denominator, int(step * parts)
+        costs = []
+        for time in range(0, n * length, length):
+            i = bisect_right(begin, time) - 1
+            passed = before[i] + self.densities[i] * (time - begin[i])
+            costs.append(passed * top // bottom - self.value)
+        return np.array(costs, dtype=np.int64)
 
 
-def _needs(joint: Joint) -> dict[int, tuple[Need, ...]]:
-    """The needs of each victim: what only one and the same robot can serve is one need."""
+def _tasks(joint: Joint) -> dict[int, tuple[Task, ...]]:
+    """The tasks of each victim: what only one and the same robot can serve is one task."""
     able: dict[tuple[int, str], list[int]] = {}
     for r, v, k in sorted(joint.able):
         able.setdefault((v, k), []).append(r)
@@ -138,12 +138,12 @@ def _needs(joint: Joint) -> dict[int, tuple[Need, ...]]:
     return {v: tuple((v, kinds) for kinds in own.values()) for v, own in together.items()}
 
 
-def _deadlines(joint: Joint, most: Fraction) -> Deadlines | None:
-    """When each victim is complete at the latest in plans worth at most `most`.
+def _deadlines(joint: Joint, better: Fraction) -> Deadlines | None:
+    """When each victim is complete at the latest in plans worth at most `better`.
 
     No time for a victim without priority; nothing at all if there are no such plans.
     """
-    spare = most - joint.at_once("latency")
+    spare = better - joint.each_alone("latency")
     if spare < 0:
         return None
     return {
@@ -152,89 +152,87 @@ def _deadlines(joint: Joint, most: Fraction) -> Deadlines | None:
     }
 
 
-def _clocks(joint: Joint, proof: LatencyProof) -> dict[int, Fraction]:
-    """The step of each robot's time."""
-    clocks = {clock.robot: exact(clock.length) for clock in proof.clocks}
-    if missing := [r for r in joint.robots if joint.victims_of[r] and r not in clocks]:
-        raise CheckError(f"robot {missing[0]} has no clock")
-    return clocks
+def _time_steps(joint: Joint, proof: LatencyProof) -> dict[int, Fraction]:
+    """The time step of each robot that can serve something."""
+    steps = {step.robot: exact(step.length) for step in proof.time_steps}
+    movers = [r for r in joint.robots if joint.victims_of[r]]
+    if missing := [r for r in movers if r not in steps]:
+        raise CheckError(f"robot {missing[0]} has no time step")
+    return {r: steps[r] for r in movers}
 
 
-def _unit(
-    joint: Joint,
-    proof: LatencyProof,
-    clocks: dict[int, Fraction],
-    deadlines: Deadlines,
-) -> _Unit:
-    """A unit so small that little is lost, and so large that every sum is a 64-bit number."""
-    parts = math.lcm(1, *(step.denominator for step in clocks.values()))
-    latest = max(
-        (max(last_services(joint, r, deadlines).values()) for r in _movers(joint)),
-        default=Fraction(0),
-    )
+def _unit(joint: Joint, proof: LatencyProof, networks: list[Network]) -> Fraction:
+    """A unit of cost so small that little is lost, and so large that every sum is a 64-bit number."""
+    latest = max((network.last * network.step for network in networks), default=Fraction(0))
     charges = latest * sum(joint.priority.values(), Fraction(0))
-    rewards = max(
-        sum((abs(exact(need.reward)) for need in part.needs), Fraction(0)) for part in proof.rounds
+    duals = max(
+        sum((abs(exact(task.dual)) for task in part.tasks), Fraction(0)) for part in proof.rounds
     )
     # A path may come back to victims that it has forgotten, but not more often than it has steps.
-    often = math.ceil(latest / min(clocks.values(), default=Fraction(1)))
-    largest = math.ceil((charges + rewards) * (often + 1))
-    bits = min(_MOST_BITS, 60 - largest.bit_length())
-    if bits < _FEWEST_BITS:
-        raise CheckError("these prices and clocks are too large to count with")
-    return _Unit(parts, bits)
+    often = 1 + max((network.last for network in networks), default=0)
+    largest = (charges + duals) * (often + 1)
+    return 1 / power_of_two_below(2**_BITS / largest) if largest else Fraction(1)
 
 
-def _movers(joint: Joint) -> Iterator[int]:
-    return (r for r in joint.robots if joint.victims_of[r])
-
-
-def _prices(
+def _duals(
     joint: Joint,
-    needs: dict[int, tuple[Need, ...]],
-    part: PriceRound,
-    unit: _Unit,
+    tasks: dict[int, tuple[Task, ...]],
+    part: PricingRound,
+    unit: Fraction,
     name: str,
-) -> dict[Need, _Price]:
-    """The prices of every need, 0 where none are given."""
-    begin: dict[int, list[Fraction]] = {}
-    for steps in part.steps:
-        if steps.victim in begin:
-            raise CheckError(f"{name} gives the steps of victim {steps.victim} twice")
-        begin[steps.victim] = [Fraction(0), *map(exact, steps.begin)]
-        if sorted(begin[steps.victim]) != begin[steps.victim]:
-            raise CheckError(f"{name} has steps of victim {steps.victim} that are out of order")
-    known = {need for own in needs.values() for need in own}
-    prices: dict[Need, _Price] = {}
-    for item in part.needs:
-        need = (item.victim, tuple(sorted(item.kinds)))
-        if need not in known or need in prices:
-            what = "twice prices" if need in prices else "prices"
-            why = "" if need in prices else ", which is no need of this problem"
+) -> dict[Task, _Dual]:
+    """The dual values of every task, 0 where none are given."""
+    begin = _breakpoints(part, name)
+    duals: dict[Task, _Dual] = {}
+    known = {task for own in tasks.values() for task in own}
+    for item in part.tasks:
+        task = (item.victim, tuple(sorted(item.kinds)))
+        what = f"{', '.join(item.kinds)} at victim {item.victim}"
+        if task not in known:
+            raise CheckError(f"{name} has a dual value of {what}, which is no task of this problem")
+        if task in duals:
+            raise CheckError(f"{name} has two dual values of {what}")
+        own, priority = begin.get(item.victim, (Fraction(0),)), joint.priority[item.victim]
+        if len(item.densities) != len(own):
             raise CheckError(
-                f"{name} has {what} of {', '.join(item.kinds)} at victim {item.victim}{why}"
+                f"{name} has {len(item.densities)} densities of {what} for {len(own)} intervals of "
+                "time"
             )
-        own = begin.get(item.victim, [Fraction(0)])
-        if len(item.charges) != len(own):
-            raise CheckError(
-                f"{name} has {len(item.charges)} charges for the {len(own)} steps of victim "
-                f"{item.victim}"
-            )
-        prices[need] = _Price(
+        duals[task] = _Dual(
             unit,
-            math.floor(exact(item.reward) * unit.scale),
-            np.array([math.floor(time * unit.parts) for time in own], dtype=np.int64),
-            tuple(math.floor(exact(charge) * 2**_CHARGE_BITS) for charge in item.charges),
+            math.floor(exact(item.dual) / unit),
+            priority,
+            own,
+            tuple(
+                math.floor(exact(density) / priority * 2**_DENSITY_BITS) if priority else 0
+                for density in item.densities
+            ),
         )
-    for v, group in needs.items():
-        charges = zip(*(prices[need].charge for need in group if need in prices), strict=True)
-        if any(sum(charged) > joint.priority[v] * 2**_CHARGE_BITS for charged in charges):
-            raise CheckError(f"{name} charges more for victim {v} than its priority")
-    nothing = _Price(unit, 0, np.zeros(1, dtype=np.int64), (0,))
-    return {need: prices.get(need, nothing) for need in known}
+    for v, group in tasks.items():
+        densities = zip(*(duals[task].densities for task in group if task in duals), strict=True)
+        if any(sum(at_once) > 2**_DENSITY_BITS for at_once in densities):
+            raise CheckError(f"{name} has densities at victim {v} that exceed its priority")
+    nothing = _Dual(unit, 0, Fraction(0), (Fraction(0),), (0,))
+    return {task: duals.get(task, nothing) for task in known}
 
 
-def _remembered(joint: Joint, part: PriceRound, name: str) -> dict[tuple[int, int], frozenset[int]]:
+def _breakpoints(part: PricingRound, name: str) -> dict[int, tuple[Fraction, ...]]:
+    begin: dict[int, tuple[Fraction, ...]] = {}
+    for item in part.breakpoints:
+        if item.victim in begin:
+            raise CheckError(f"{name} gives the breakpoints of victim {item.victim} twice")
+        times = (Fraction(0), *map(exact, item.times))
+        if sorted(times) != list(times):
+            raise CheckError(
+                f"{name} has breakpoints of victim {item.victim} that are out of order"
+            )
+        begin[item.victim] = times
+    return begin
+
+
+def _remembered(
+    joint: Joint, part: PricingRound, name: str
+) -> dict[tuple[int, int], frozenset[int]]:
     """What a robot remembers at a victim, besides that victim."""
     remembered = {}
     for item in part.neighbourhoods:

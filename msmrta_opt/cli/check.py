@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
-    from ..certify.bound import Recheck
+    from ..certify.certificates import Recheck
     from ..mission.instance import Instance
     from ..mission.plan import Plan
+    from ..optimise.solution import Solution
 
-LONGEST_ROOT = 600.0
-"""Seconds that the second solver gets for a root relaxation; the exact proof needs no solver."""
+ROOT_SECONDS = 600.0
+"""That the second solver gets for a root relaxation; the exact proof needs no solver."""
+WRONG, ONLY_CLAIMED = 1, 3
+"""Exit statuses; bad input has 2."""
+
+
+@dataclass
+class _Verdict:
+    """What a check of a file comes to."""
+
+    wrong: list[str] = field(default_factory=list)
+    said: list[str] = field(default_factory=list)
+    only_claimed: list[str] = field(default_factory=list)
+    """Bounds that were not proved again."""
 
 
 def check(
@@ -22,9 +36,13 @@ def check(
         bool,
         typer.Option(
             "--bound",
-            help="Prove the bounds of exact plans again, from the instance and the stored prices, "
-            "exactly; then solve the root relaxation by another solver.",
+            help="Prove the bounds of exact plans again, from the instance and the stored dual "
+            "values, exactly; then solve the root relaxation by another solver.",
         ),
+    ] = False,
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="With --bound: a bound that is only claimed is wrong."),
     ] = False,
     time_limit: Annotated[
         float | None,
@@ -38,13 +56,17 @@ def check(
         typer.Option(help="With --bound: who solves again.  [default: glpk or scip; model: highs]"),
     ] = None,
 ) -> None:
-    """Check instances and plans; plans by a checker that shares no code with the planners."""
-    from ..certify.plan import problems
+    """Check instances and plans; plans by a checker that shares no code with the planners.
+
+    A plan beside an instance must be for it. The exit status is 0 if all holds and, with --bound, all
+    bounds are proved again; 1 if anything is wrong; 2 for bad input; 3 if all holds, but a bound is
+    only claimed.
+    """
     from ..mission.errors import InputError
     from ..mission.instance import Instance
 
-    for name, value in {"--time-limit": time_limit, "--solver": solver}.items():
-        if value is not None and not bound:
+    for name, value in {"--strict": strict, "--time-limit": time_limit, "--solver": solver}.items():
+        if value not in (None, False) and not bound:
             raise InputError("is for bounds; give --bound with it", field=name)
     if time_limit is not None and not time_limit >= 0:
         raise InputError(f"{time_limit!r}; give 0 or more", field="--time-limit")
@@ -54,7 +76,7 @@ def check(
         other_solver(solver)
     documents = [_read(file) for file in files]
     missions = [item for item in documents if isinstance(item, Instance)]
-    failed = False
+    wrong = only_claimed = False
     for file, item in zip(files, documents, strict=True):
         if isinstance(item, Instance):
             typer.echo(
@@ -62,16 +84,22 @@ def check(
                 f"{item.n_victims} victims, {len(item.scouts)} scouts)"
             )
             continue
-        wrong = problems(item)
-        for problem in wrong:
-            typer.echo(f"{file}: {problem}", err=True)
-        if not wrong:
-            typer.echo(f"{file}: the plan holds ({item.metrics.n_served} requirements served)")
-            if bound:
-                wrong = _check_bound(file, item, missions, time_limit, solver)
-        failed = failed or bool(wrong)
-    if failed:
-        raise typer.Exit(1)
+        verdict = _plan(item, missions)
+        if bound and not verdict.wrong:
+            try:
+                _bounds(item, verdict, solver, time_limit)
+            except InputError as error:
+                raise error.within(file) from None
+        if strict:
+            verdict.wrong += verdict.only_claimed
+        for line in verdict.said:
+            typer.echo(f"{file}: {line}")
+        for line in verdict.wrong:
+            typer.echo(f"{file}: {line}", err=True)
+        wrong |= bool(verdict.wrong)
+        only_claimed |= bool(verdict.only_claimed)
+    if wrong or only_claimed:
+        raise typer.Exit(WRONG if wrong else ONLY_CLAIMED)
 
 
 def _read(file: Path) -> Instance | Plan:
@@ -82,108 +110,134 @@ def _read(file: Path) -> Instance | Plan:
     return (Plan if document_format(file).startswith("msmrta-plan") else Instance).read(file)
 
 
-def _check_bound(
-    file: Path, plan: Plan, missions: list[Instance], time_limit: float | None, solver: str | None
-) -> list[str]:
-    """What is wrong with the bound of `plan`; what is proved again is said, the rest on one line."""
-    from ..certify.bound import recheck
-    from ..mission.errors import InputError
+def _plan(plan: Plan, missions: list[Instance]) -> _Verdict:
+    """Whether the plan holds, and for one of `missions`, if there are any."""
+    from ..certify.plan import problems
+    from ..certify.same_mission import differences
 
-    if missions and not any(map(plan.is_for, missions)):
-        wrong = ["the plan is for another mission than the instance beside it"]
-    else:
-        try:
-            found = recheck(plan)
-        except InputError as error:
-            raise error.within(file) from None
-        wrong = list(found.problems)
-        lines = [*_root(found), *_root_again(found, solver, wrong)] if not wrong else []
-        if not wrong:
-            lines += _claim(found)
-        if not wrong and time_limit is not None and not found.whole:
-            lines += _explicitly(plan, found, solver, time_limit, wrong)
-        for line in lines:
-            typer.echo(f"{file}: {line}")
-    if wrong:
-        more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
-        typer.echo(f"{file}: {wrong[0]}{more}", err=True)
-    return wrong
+    verdict = _Verdict(problems(plan))
+    if missions:
+        closest = min((differences(plan, mission) for mission in missions), key=len)
+        verdict.wrong += [f"the plan is for another mission: {line}" for line in closest]
+    if not verdict.wrong:
+        verdict.said.append(f"the plan holds ({plan.metrics.n_served} requirements served)")
+    return verdict
 
 
-def _root(found: Recheck) -> list[str]:
-    if found.proved is None:
-        return []
+def _bounds(plan: Plan, verdict: _Verdict, solver: str | None, time_limit: float | None) -> None:
+    """Prove every bound of a plan that holds again."""
+    from ..certify.certificates import recheck, stage_problems
+
+    verdict.wrong += stage_problems(plan)
+    every = recheck(plan)
+    for number, found in enumerate(every):
+        one = _bound(plan, found, solver, time_limit)
+        name = f"certificate {number}: " if len(every) > 1 else ""
+        verdict.wrong += [name + line for line in one.wrong]
+        verdict.said += [name + line for line in one.said]
+        verdict.only_claimed += [name + line for line in one.only_claimed]
+
+
+def _bound(plan: Plan, found: Recheck, solver: str | None, time_limit: float | None) -> _Verdict:
+    """One bound proved again, as far as it can be."""
+    verdict = _Verdict(list(found.problems))
     certificate = found.certificate
-    proved, objective = f"{float(found.proved):.9g}", certificate.model
+    if verdict.wrong or certificate.bound is None:
+        return verdict
+    verdict.said.append(_root(found))
+    _root_again(found, solver, verdict)
+    claim = f"the certificate claims {certificate.bound:.9g} by {certificate.proof}"
+    if found.whole:
+        verdict.said.append(f"{claim}: all of it is proved again")
+        return verdict
+    how = f"what is beyond the root was proved by {certificate.proof}"
+    verdict.said.append(f"{claim}: {how}, and is not re-checked")
+    explicitly = time_limit is not None and _explicitly(
+        plan, certificate.model, certificate.bound, solver, time_limit, verdict
+    )
+    if not explicitly:
+        verdict.only_claimed.append(f"{claim}: it is not proved again")
+    return verdict
+
+
+def _root(found: Recheck) -> str:
+    from ..certify.joint_problem import figure
+
+    certificate = found.certificate
+    proved = figure(found.proved or found.value)
     if certificate.root is not None:
         who, how = certificate.root.solver, f"{certificate.root.n_cuts} cuts"
     elif certificate.pricing is not None:
         who, how = certificate.pricing.solver, f"rounds: {len(certificate.pricing.rounds)}"
     else:
-        return [f"a {objective} of {proved} follows from the requirements alone"]
-    return [
-        f"root bound {proved} on the {objective} proved again, in exact numbers from the prices of "
-        f"{who} ({how})"
-    ]
+        return f"a {certificate.model} of {proved} follows from the requirements alone"
+    return (
+        f"root bound {proved} on the {certificate.model} proved again, in exact numbers from the "
+        f"dual values of {who} ({how})"
+    )
 
 
-def _root_again(found: Recheck, solver: str | None, wrong: list[str]) -> list[str]:
+def _root_again(found: Recheck, solver: str | None, verdict: _Verdict) -> None:
     """The root relaxation by another solver."""
-    from ..certify.bound import TOLERANCE
+    from ..certify.certificates import TOLERANCE
     from ..mission.errors import SolverError
     from ..routing.second_solver import other_solver, root_again
 
     if found.relaxation is None:
-        return []
+        return
     try:
         name = other_solver(solver)
     except SolverError as error:
-        return [f"root relaxation not solved again: {error}"]
-    solution = root_again(found.relaxation, solver=name, time_limit=LONGEST_ROOT)
-    who = f"{name} {solution.solver_version}"
+        verdict.said.append(f"root relaxation not solved again: {error}")
+        return
+    solution = root_again(found.relaxation, solver=name, time_limit=ROOT_SECONDS)
+    who, proved = _who(solution), float(found.relaxation.bound())
     if solution.status == "infeasible":
-        wrong.append(f"{who} finds no point of the root relaxation, where the plan is one")
+        verdict.wrong.append(f"{who} finds no point of the root relaxation, where the plan is one")
     if solution.status != "optimal" or solution.objective is None:
-        return [f"{who} does not solve the root relaxation: {solution.message}"]
-    prices = float(found.relaxation.bound())
-    if solution.objective < prices - TOLERANCE * max(1.0, abs(prices)):
-        wrong.append(
-            f"{who} solves the root relaxation to {solution.objective:.9g}, below what its prices "
-            f"prove, {prices:.9g}"
+        verdict.said.append(f"{who} does not solve the root relaxation: {solution.message}")
+        return
+    if solution.objective < proved - TOLERANCE * float(found.value):
+        verdict.wrong.append(
+            f"{who} solves the root relaxation to {solution.objective:.9g}, below what its dual "
+            f"values prove, {proved:.9g}"
         )
-    return [
-        f"{who} solves the same relaxation to {solution.objective:.9g}; the prices prove {prices:.9g}"
-    ]
-
-
-def _claim(found: Recheck) -> list[str]:
-    certificate = found.certificate
-    claim = f"the certificate claims {certificate.bound:.9g} by {certificate.proof}"
-    if found.whole:
-        return [f"{claim}: all of it is proved again"]
-    return [
-        f"{claim}: what is beyond the root was proved by {certificate.proof}, and is not re-checked"
-    ]
+    verdict.said.append(
+        f"{who} solves the same relaxation to {solution.objective:.9g}; the dual values prove "
+        f"{proved:.9g}"
+    )
 
 
 def _explicitly(
-    plan: Plan, found: Recheck, solver: str | None, time_limit: float, wrong: list[str]
-) -> list[str]:
-    """The explicit model of the plan's problem, solved again."""
-    from ..certify.bound import TOLERANCE
+    plan: Plan,
+    objective: str,
+    claimed: float,
+    solver: str | None,
+    time_limit: float,
+    verdict: _Verdict,
+) -> bool:
+    """The explicit model of the plan's problem, solved again; whether it proves what is claimed."""
+    from ..certify.certificates import TOLERANCE
     from ..planners.support.explicit_model import solve_explicitly
 
-    claimed, objective = found.certificate.bound or 0.0, found.certificate.model
     solution = solve_explicitly(plan, objective, solver=solver, time_limit=time_limit)
-    who = f"{solution.solver} {solution.solver_version} on {solution.formulation}"
-    slack = TOLERANCE * max(1.0, abs(claimed))
+    who = f"{_who(solution)} on {solution.formulation}"
+    slack = TOLERANCE * abs(claimed)
     if solution.status == "infeasible":
-        wrong.append(f"{who} finds no plan at all, where there is one")
+        verdict.wrong.append(f"{who} finds no plan at all, where there is one")
     elif solution.objective is not None and solution.objective < claimed - slack:
-        wrong.append(
+        verdict.wrong.append(
             f"{who} finds {solution.objective:.9g}, below the bound {claimed:.9g} that is claimed"
         )
     reached = "no bound" if solution.bound is None else f"{solution.bound:.9g}"
     if solution.bound is not None and solution.bound >= claimed - slack:
-        return [f"{who} proves {reached}: all of the claim is proved again"]
-    return [f"{who} proves {reached} in {time_limit:g} s: the claim is not proved again"]
+        verdict.said.append(f"{who} proves {reached}: all of the claim is proved again")
+        return True
+    verdict.said.append(
+        f"{who} proves {reached} in {time_limit:g} s: the claim is not proved again"
+    )
+    return False
+
+
+def _who(solution: Solution) -> str:
+    return f"{solution.solver} {solution.solver_version}"

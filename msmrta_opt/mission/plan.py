@@ -18,7 +18,7 @@ from ..public import load
 from .files import write_text
 from .instance import CellField, Instance
 from .metrics import Metrics
-from .proof import LatencyProof, RootProof
+from .proof import Finite, LatencyProof, RootProof
 from .route import PlanRecord, Time
 from .route import Reason as Reason
 from .route import Route as Route
@@ -43,7 +43,7 @@ class Cluster(PlanRecord):
     """
 
     victims: tuple[NonNegativeInt, ...]
-    centre: tuple[float, float]
+    centre: tuple[Finite, Finite]
     cell: CellField | None
     robots: tuple[NonNegativeInt, ...] = ()
     deferred: tuple[NonNegativeInt, ...] = ()
@@ -78,7 +78,7 @@ class ScoutingReport(PlanRecord):
     tracks: tuple[Track, ...]
     finds: tuple[Find, ...]
     not_found: tuple[NonNegativeInt, ...]
-    coverage: tuple[float, ...]
+    coverage: tuple[Finite, ...]
     ended: Literal["covered", "all victims found", "step limit"]
 
 
@@ -96,9 +96,9 @@ class Certificate(PlanRecord):
     solver: str
     version: str
     status: str
-    objective: float | None
-    bound: float | None
-    gap: float | None
+    objective: Finite | None
+    bound: Finite | None
+    gap: Finite | None
     proof: str
     check: str
     n_variables: NonNegativeInt

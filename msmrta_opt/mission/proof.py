@@ -1,8 +1,9 @@
-r"""What proves a bound on the joint problem: the prices of its linear relaxation's rows, and its cuts.
+r"""What proves a bound on the joint problem: dual values of its relaxation's rows, and its cuts.
 
 No coefficient is stored. Every row is named by what it is about, and whoever checks the proof writes
-it out again from the instance (`bounds.duality`), so a row that does not hold cannot be claimed. Rows of
-price 0 prove nothing and are left out; so a proof is small. Robots and victims are named by their ids.
+it out again from the instance (`certify.linear_relaxation`), so a row that does not hold cannot be
+claimed. Rows with a dual value of 0 prove nothing and are left out; so a proof is small. Robots and
+victims are named by their ids.
 
 With y for the visits of a robot, f and l for its first and last victim, e for the edges it walks
 between victims, in either direction, a for who serves what, and T for the makespan, the rows are
@@ -21,92 +22,93 @@ between victims, in either direction, a for who serves what, and T for the makes
     last       e(S) + l(S) ≤ y(S)                              for a robot and victims S
 
 where e(S) are the edges with both ends in S. The ``a`` and their rows are there only where loads
-count: for the makespan, or under an endurance. Prices are of a minimisation: those of ≤ rows are at
-most 0, those of ≥ rows at least 0.
+count: for the makespan, or under an endurance. Dual values are of a minimisation: those of ≤ rows are
+at most 0, those of ≥ rows at least 0.
 
-Latency has prices of another kind (`bounds.pricing`): a reward for serving a need, charges for when it
-is done, and robots' routes that are cheapest at these. A need is what one robot will serve in one visit:
-those requirements of a victim that only one and the same robot can serve, or else one requirement.
+Latency is decomposed by robots (`certify.pricing_bound`): each task has the dual value of its being
+served, and densities, which are the dual values of its victim's completion over time. A task is what
+one robot will serve in one visit: those requirements of a victim that only one and the same robot can
+serve, or else one requirement.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, NonNegativeInt
 
-Price = Annotated[float, Field(allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+def _once(name: str, *earlier: str) -> Any:
+    """A field that files of earlier versions name otherwise."""
+    return Field(validation_alias=AliasChoices(name, *earlier))
 
 
 class _Record(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class RobotPrice(_Record):
-    """The price of a robot's row."""
+class _Dual(_Record):
+    dual: Finite = _once("dual", "price")
+
+
+class RobotDual(_Dual):
+    """The dual value of a robot's row."""
 
     robot: NonNegativeInt
-    price: Price
 
 
-class VisitPrice(_Record):
-    """The price of a row about a robot and a victim."""
-
-    robot: NonNegativeInt
-    victim: NonNegativeInt
-    price: Price
-
-
-class RequirementPrice(_Record):
-    """The price of a requirement's row."""
+class VisitDual(RobotDual):
+    """The dual value of a row about a robot and a victim."""
 
     victim: NonNegativeInt
-    kind: str
-    price: Price
 
 
-class ServicePrice(_Record):
-    """The price of a row about a robot that serves a requirement."""
+class RequirementDual(_Dual):
+    """The dual value of a requirement's row."""
 
-    robot: NonNegativeInt
     victim: NonNegativeInt
     kind: str
-    price: Price
 
 
-class PathCut(_Record):
-    """A cut of a robot and a set of victims, and its price."""
+class ServiceDual(VisitDual):
+    """The dual value of a row about a robot that serves a requirement."""
 
-    robot: NonNegativeInt
+    kind: str
+
+
+class PathCut(RobotDual):
+    """A cut of a robot and a set of victims, and its dual value."""
+
     victims: tuple[NonNegativeInt, ...]
-    price: Price
 
 
 class SubtourCut(PathCut):
-    """A cut of a robot, a set of victims and one victim, and its price."""
+    """A cut of a robot, a set of victims and one victim, and its dual value."""
 
     victim: NonNegativeInt
 
 
 class RootProof(_Record):
-    """The prices that prove a bound on the joint problem without any branching.
+    """The dual values that prove a bound on the joint problem without any branching.
 
     ``bound`` is what they prove, rounded up to a value that the objective can take; ``solver`` is
     who found them.
     """
 
     objective: Literal["total_time", "makespan"]
-    bound: Price
+    bound: Finite
     solver: str
-    degree: tuple[VisitPrice, ...] = ()
-    leaves: tuple[RobotPrice, ...] = ()
-    ends: tuple[RobotPrice, ...] = ()
-    served: tuple[RequirementPrice, ...] = ()
-    present: tuple[ServicePrice, ...] = ()
-    walk: tuple[RobotPrice, ...] = ()
-    endurance: tuple[RobotPrice, ...] = ()
-    makespan: tuple[RobotPrice, ...] = ()
+    degree: tuple[VisitDual, ...] = ()
+    leaves: tuple[RobotDual, ...] = ()
+    ends: tuple[RobotDual, ...] = ()
+    served: tuple[RequirementDual, ...] = ()
+    present: tuple[ServiceDual, ...] = ()
+    walk: tuple[RobotDual, ...] = ()
+    endurance: tuple[RobotDual, ...] = ()
+    makespan: tuple[RobotDual, ...] = ()
     subtour: tuple[SubtourCut, ...] = ()
     outside: tuple[SubtourCut, ...] = ()
     first: tuple[PathCut, ...] = ()
@@ -114,24 +116,27 @@ class RootProof(_Record):
 
     @property
     def n_cuts(self) -> int:
-        """Number of cuts with a price."""
+        """Number of cuts with a dual value."""
         return len(self.subtour) + len(self.outside) + len(self.first) + len(self.last)
 
 
-class NeedPrices(_Record):
-    """Reward of a need, and what each unit of time until it is done is charged, step by step."""
+class TaskDuals(_Record):
+    """The dual value of serving a task, and its density between its victim's breakpoints.
+
+    Until the task is done, each unit of time costs the density of then.
+    """
 
     victim: NonNegativeInt
     kinds: tuple[str, ...]
-    reward: Price
-    charges: tuple[Time, ...]
+    dual: Finite = _once("dual", "reward")
+    densities: tuple[Time, ...] = _once("densities", "charges")
 
 
-class VictimSteps(_Record):
-    """Where the steps of a victim's charges begin, after the first, which begins at 0."""
+class Breakpoints(_Record):
+    """Where the densities of a victim's tasks may change, in time units; 0 is left out."""
 
     victim: NonNegativeInt
-    begin: tuple[Time, ...]
+    times: tuple[Time, ...] = _once("times", "begin")
 
 
 class Neighbourhood(_Record):
@@ -142,32 +147,34 @@ class Neighbourhood(_Record):
     remembers: tuple[NonNegativeInt, ...]
 
 
-class PriceRound(_Record):
-    """Prices, and the routes that they are for.
+class PricingRound(_Record):
+    """Dual values, and the ng-route relaxation that they are for.
 
-    Victims that are not among `steps` have one step; neighbourhoods hold their own victim unsaid.
+    Victims that are not among `breakpoints` have none; neighbourhoods hold their own victim unsaid.
     """
 
-    needs: tuple[NeedPrices, ...]
-    steps: tuple[VictimSteps, ...] = ()
+    tasks: tuple[TaskDuals, ...] = _once("tasks", "needs")
+    breakpoints: tuple[Breakpoints, ...] = Field(
+        default=(), validation_alias=AliasChoices("breakpoints", "steps")
+    )
     neighbourhoods: tuple[Neighbourhood, ...] = ()
 
 
-class RobotStep(_Record):
-    """The steps of time that a robot's legs and services are rounded down to."""
+class TimeStep(_Record):
+    """The step of time to whole multiples of which a robot's legs and services are rounded down."""
 
     robot: NonNegativeInt
     length: Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class LatencyProof(_Record):
-    """The prices that prove a bound on latency without any branching, round by round.
+    """The dual values that prove a bound on latency without any branching, round by round.
 
     Each round rules out what no better plan than the one at hand does, for those after it. ``bound``
     is what they prove together, rounded up to a value that latency can take.
     """
 
-    bound: Price
+    bound: Finite
     solver: str
-    clocks: tuple[RobotStep, ...]
-    rounds: Annotated[tuple[PriceRound, ...], Field(min_length=1)]
+    time_steps: tuple[TimeStep, ...] = _once("time_steps", "clocks")
+    rounds: Annotated[tuple[PricingRound, ...], Field(min_length=1)]

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..certify.bound import STAGE as STAGE_OF_BOUNDS
+from ..certify.certificates import STAGE as STAGE_OF_BOUNDS
 from ..interruption import interrupted, interruptible
 from ..mission.errors import InputError
 from ..mission.instance import Instance

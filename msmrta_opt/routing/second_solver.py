@@ -1,6 +1,6 @@
 """A bound on the joint problem proved again by a solver that did not make it.
 
-The root relaxation is the one that `mission.bounds.duality` writes out from the instance; the explicit
+The root relaxation is what `certify.linear_relaxation` writes out from the instance; the explicit
 models are those of the registry. HiGHS makes the root bounds, so it is not asked about them.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Floats
-from ..certify.linear_bound import Relaxation
+from ..certify.linear_relaxation import Relaxation
 from ..mission.errors import InputError, SolverError
 from ..optimise.program import Block, Program
 from ..optimise.solution import Solution
@@ -80,7 +80,7 @@ def arrays(relaxation: Relaxation) -> Program:
         row_lower=_floats(-np.inf if row.lower is None else row.lower for _, row in rows),
         row_upper=_floats(np.inf if row.upper is None else row.upper for _, row in rows),
         lower=np.zeros(n),
-        upper=_floats(relaxation.most.values()),
+        upper=_floats(relaxation.upper.values()),
         integer=np.zeros(n, dtype=bool),
         columns=(Block("x", 0, (n,)),),
         rows=tuple(Block(row.name, i, ()) for i, (_, row) in enumerate(rows)),

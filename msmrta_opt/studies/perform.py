@@ -13,7 +13,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
-from ..certify.bound import STAGE as STAGE_OF_BOUNDS
+from ..certify.certificates import STAGE as STAGE_OF_BOUNDS
 from ..isolation import Failure
 from ..mission.errors import InputError
 from ..mission.instance import Instance

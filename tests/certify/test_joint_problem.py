@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from msmrta_opt.certify.joint_problem import Joint, steps_from
+from msmrta_opt.certify.joint_problem import Joint
+from msmrta_opt.certify.walking import steps_from
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan
@@ -80,6 +81,6 @@ def test_bounds_are_rounded_up_to_possible_values(corridor: Instance) -> None:
 
 def test_each_requirement_alone_is_a_bound(corridor: Instance) -> None:
     """Victim 1 is 3 away; service takes 4 in all, 2 of it at victim 1."""
-    assert joint(corridor).at_once("total_time") == 7
-    assert joint(corridor).at_once("makespan") == 5
-    assert joint(corridor.replace(victims=())).at_once("makespan") == 0
+    assert joint(corridor).each_alone("total_time") == 7
+    assert joint(corridor).each_alone("makespan") == 5
+    assert joint(corridor.replace(victims=())).each_alone("makespan") == 0

@@ -246,9 +246,12 @@ MUTATIONS: dict[str, tuple[Callable[[Document], None], str]] = {
     "two routes of a robot": (second_route, "robot 7 has 2 routes"),
     "excuse for what is not needed": (
         excuse_what_is_not_needed,
-        "victim 20 is listed as unserved for D, not its need",
+        "victim 20 is listed as unserved for D, which it does not need",
     ),
-    "excuse for nobody": (excuse_for_nobody, "victim 2 is listed as unserved for A, not its need"),
+    "excuse for nobody": (
+        excuse_for_nobody,
+        "victim 2 is listed as unserved for A, which it does not need",
+    ),
     "nobody not found": (hide_nobody, "victim 2 is listed as not found, and is not there"),
     # Scouting
     "not found, but visited": (visit_the_hidden, "victim 40 is visited, but was not found"),

@@ -1,4 +1,4 @@
-"""What prices prove about latency: by hand, by listing all routes, and never above the optimum."""
+"""What dual values prove about latency: by hand, by listing all routes, and never above the optimum."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from support.joint_oracle import least
 
-from msmrta_opt.certify.bound import worth
+from msmrta_opt.certify.certificates import worth
 from msmrta_opt.certify.joint_problem import Joint
-from msmrta_opt.certify.pricing_bound import proved
-from msmrta_opt.certify.queue_bound import in_queues
+from msmrta_opt.certify.pricing_bound import pricing_bound
+from msmrta_opt.certify.scheduling_bound import scheduling_bound
 from msmrta_opt.mission.errors import CheckError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance
@@ -31,16 +31,16 @@ KIND = "FirstAids"
 Document = dict[str, Any]
 
 # By hand: a corridor of five cells, a robot at 1, victims at 0 and 4, service 2 each. Victim 0 first
-# is done at 3 and 9, which is best; alone, the victims are done at 3 and 5. With rewards 7 and 9 no
+# is done at 3 and 9, which is best; alone, the victims are done at 3 and 5. With dual values 7 and 9 no
 # route costs less than -4 (either alone, or both in this order), so 7 + 9 - 4 = 12 is proved.
 
 ROUND: Document = {
-    "needs": [
-        {"victim": 0, "kinds": [KIND], "reward": 7, "charges": [1]},
-        {"victim": 1, "kinds": [KIND], "reward": 9, "charges": [1]},
+    "tasks": [
+        {"victim": 0, "kinds": [KIND], "dual": 7, "densities": [1]},
+        {"victim": 1, "kinds": [KIND], "dual": 9, "densities": [1]},
     ],
 }
-CLOCK = [{"robot": 0, "length": 1}]
+STEP = [{"robot": 0, "length": 1}]
 
 
 @pytest.fixture
@@ -50,18 +50,18 @@ def corridor(instances_dir: Path) -> Joint:
 
 
 def by_hand(joint: Joint, *rounds: Document, worth: int = 12, **changes: Any) -> Fraction:
-    document = {"bound": 12, "solver": "by hand", "clocks": CLOCK}
+    document = {"bound": 12, "solver": "by hand", "time_steps": STEP}
     proof = LatencyProof.model_validate(document | {"rounds": rounds or (ROUND,)} | changes)
-    return proved(joint, proof, Fraction(worth))
+    return pricing_bound(joint, proof, Fraction(worth))
 
 
-def priced(*needs: Document, **changes: Any) -> Document:
-    """The round with other prices of some needs."""
-    old = [item | new for item, new in zip(ROUND["needs"], needs, strict=True)]
-    return ROUND | {"needs": old} | changes
+def changed(*tasks: Document, **changes: Any) -> Document:
+    """The round with other dual values of some tasks."""
+    old = [item | new for item, new in zip(ROUND["tasks"], tasks, strict=True)]
+    return ROUND | {"tasks": old} | changes
 
 
-def test_good_prices_prove_the_least_latency(corridor: Joint) -> None:
+def test_good_dual_values_prove_the_minimum_latency(corridor: Joint) -> None:
     assert by_hand(corridor) == 12
 
 
@@ -69,27 +69,27 @@ def test_beside_a_worse_plan_they_prove_as_much(corridor: Joint) -> None:
     assert by_hand(corridor, worth=16) == 12
 
 
-def test_prices_that_are_off_prove_less(corridor: Joint) -> None:
-    """With a reward of 10 for victim 1, it alone and both cost -5: 7 + 10 - 5 = 12; with 11, 11."""
-    assert by_hand(corridor, priced({}, {"reward": 10}), worth=20) == 12
-    assert by_hand(corridor, priced({"reward": 8}, {}), worth=20) == 12
-    assert by_hand(corridor, priced({"reward": 4}, {}), worth=20) == 9
-    assert by_hand(corridor, priced({"charges": [0]}, {"charges": [0]}), worth=20) == 0
+def test_dual_values_that_are_off_prove_less(corridor: Joint) -> None:
+    """With a dual value of 10 for victim 1, it alone and both cost -5: 7 + 10 - 5 = 12; with 11, 11."""
+    assert by_hand(corridor, changed({}, {"dual": 10}), worth=20) == 12
+    assert by_hand(corridor, changed({"dual": 8}, {}), worth=20) == 12
+    assert by_hand(corridor, changed({"dual": 4}, {}), worth=20) == 9
+    assert by_hand(corridor, changed({"densities": [0]}, {"densities": [0]}), worth=20) == 0
 
 
-def test_no_prices_prove_nothing(corridor: Joint) -> None:
-    assert by_hand(corridor, {"needs": []}, worth=20) == 0
+def test_no_dual_values_prove_nothing(corridor: Joint) -> None:
+    assert by_hand(corridor, {"tasks": []}, worth=20) == 0
 
 
-def test_slow_clocks_prove_less_and_never_more(corridor: Joint) -> None:
+def test_long_time_steps_prove_less_and_never_more(corridor: Joint) -> None:
     """In steps of 2 the legs of 1, 3 and 4 are 0, 1 and 2 steps: done at 2 and 2 + 4 + 2 = 8."""
     slow = [{"robot": 0, "length": 2}]
-    assert by_hand(corridor, clocks=slow, worth=20) <= 10
+    assert by_hand(corridor, time_steps=slow, worth=20) <= 10
 
 
 def test_what_one_round_rules_out_the_next_does_not_see(corridor: Joint) -> None:
-    """Alone, the second round's prices let victim 1 be served twice over."""
-    weak = priced({"reward": 3}, {"reward": 9})
+    """Alone, the second round's dual values let victim 1 be served twice over."""
+    weak = changed({"dual": 3}, {"dual": 9})
     assert by_hand(corridor, weak, worth=13) == 8
     assert by_hand(corridor, ROUND, weak, worth=13) == 12
 
@@ -97,23 +97,31 @@ def test_what_one_round_rules_out_the_next_does_not_see(corridor: Joint) -> None
 @pytest.mark.parametrize(
     ("forged", "problem"),
     [
-        (priced({"charges": [2]}, {}), "round 0 charges more for victim 0 than its priority"),
         (
-            priced({"victim": 7}, {}),
-            "round 0 has prices of FirstAids at victim 7, which is no need",
+            changed({"densities": [2]}, {}),
+            "round 0 has densities at victim 0 that exceed its priority",
         ),
-        (priced({"kinds": ["Defuser"]}, {}), "round 0 has prices of Defuser at victim 0, which is"),
-        (priced({}, {"victim": 0}), "round 0 has twice prices of FirstAids at victim 0"),
-        (priced({"charges": [1, 1]}, {}), "has 2 charges for the 1 steps of victim 0"),
         (
-            priced({"charges": [1, 1, 1]}, {}, steps=[{"victim": 0, "begin": [4, 3]}]),
-            "round 0 has steps of victim 0 that are out of order",
+            changed({"victim": 7}, {}),
+            "round 0 has a dual value of FirstAids at victim 7, which is no task",
+        ),
+        (
+            changed({"kinds": ["Defuser"]}, {}),
+            "round 0 has a dual value of Defuser at victim 0, which is no task",
+        ),
+        (changed({}, {"victim": 0}), "round 0 has two dual values of FirstAids at victim 0"),
+        (
+            changed({"densities": [1, 1]}, {}),
+            "has 2 densities of FirstAids at victim 0 for 1 intervals of time",
+        ),
+        (
+            changed({"densities": [1, 1, 1]}, {}, breakpoints=[{"victim": 0, "times": [4, 3]}]),
+            "round 0 has breakpoints of victim 0 that are out of order",
         ),
         (
             ROUND | {"neighbourhoods": [{"robot": 0, "victim": 0, "remembers": [1, 9]}]},
             "round 0 has robot 0 remember victim 9, which it cannot serve",
         ),
-        (priced({"reward": 1e300}, {}), "these prices and clocks are too large to count with"),
     ],
 )
 def test_what_does_not_hold_is_refused(corridor: Joint, forged: Document, problem: str) -> None:
@@ -123,14 +131,14 @@ def test_what_does_not_hold_is_refused(corridor: Joint, forged: Document, proble
     assert "\n" not in str(refused.value)
 
 
-def test_every_robot_needs_a_clock_that_orders_its_services(corridor: Joint) -> None:
-    with pytest.raises(CheckError, match="robot 0 has no clock"):
-        by_hand(corridor, clocks=[])
+def test_every_robot_needs_a_time_step_that_orders_its_services(corridor: Joint) -> None:
+    with pytest.raises(CheckError, match="robot 0 has no time step"):
+        by_hand(corridor, time_steps=[])
     with pytest.raises(CheckError, match="a leg takes no step"):
-        by_hand(corridor, clocks=[{"robot": 0, "length": 4}], worth=20)
+        by_hand(corridor, time_steps=[{"robot": 0, "length": 4}], worth=20)
 
 
-# On random missions, with prices at random.
+# On random missions, with dual values at random.
 
 
 @cache
@@ -147,8 +155,8 @@ def mission(seed: int, limit: int = 0) -> tuple[Joint, float, Fraction]:
     return Joint.of(plan), least(problem_of(plan), "latency"), worth(plan, "latency")
 
 
-def needs_of(joint: Joint) -> list[tuple[int, tuple[str, ...]]]:
-    """What one robot will serve in one visit anyway is one need."""
+def tasks_of(joint: Joint) -> list[tuple[int, tuple[str, ...]]]:
+    """What one robot will serve in one visit anyway is one task."""
     groups: dict[tuple[int, int | str], tuple[str, ...]] = {}
     for v, k in sorted(joint.service):
         able = [r for r in joint.robots if (r, v, k) in joint.able]
@@ -158,20 +166,20 @@ def needs_of(joint: Joint) -> list[tuple[int, tuple[str, ...]]]:
 
 
 def at_random(joint: Joint, rng: random.Random, *, all_remembered: bool = False) -> Document:
-    """A round of prices; charges add up to no more than the priorities."""
+    """A round of dual values; densities add up to no more than the priorities."""
     begin = {v: sorted(rng.randint(1, 300) for _ in range(rng.randint(0, 2))) for v in range(9)}
-    needs = needs_of(joint)
+    tasks = tasks_of(joint)
     items = []
-    for v, kinds in needs:
-        many = sum(w == v for w, _ in needs)
+    for v, kinds in tasks:
+        many = sum(w == v for w, _ in tasks)
         charges = [
             rng.random() ** 0.2 * float(joint.priority[v]) / many for _ in range(len(begin[v]) + 1)
         ]
         reward = rng.uniform(0, 2) * float(joint.priority[v] * 150) / many
-        items.append({"victim": v, "kinds": kinds, "reward": reward, "charges": charges})
+        items.append({"victim": v, "kinds": kinds, "dual": reward, "densities": charges})
     return {
-        "needs": items,
-        "steps": [{"victim": v, "begin": own} for v, own in begin.items()],
+        "tasks": items,
+        "breakpoints": [{"victim": v, "times": own} for v, own in begin.items()],
         "neighbourhoods": [
             {
                 "robot": r,
@@ -184,47 +192,47 @@ def at_random(joint: Joint, rng: random.Random, *, all_remembered: bool = False)
     }
 
 
-def exact_clocks(joint: Joint) -> list[Document]:
-    return [{"robot": r, "length": float(joint.grain("makespan"))} for r in joint.robots]
+def exact_steps(joint: Joint) -> list[Document]:
+    return [{"robot": r, "length": float(joint.step("makespan"))} for r in joint.robots]
 
 
 @pytest.mark.parametrize("limit", range(2))
 @pytest.mark.parametrize("seed", range(6))
-def test_no_prices_prove_more_than_the_optimum(seed: int, limit: int) -> None:
+def test_no_dual_values_prove_more_than_the_optimum(seed: int, limit: int) -> None:
     joint, optimum, value = mission(seed, limit)
     rng = random.Random(seed)
     for n in range(6):
         length = rng.choice([1.0, 0.3, 1.7]) * rng.choice([1, 2])
-        clocks = (
-            exact_clocks(joint) if n % 2 else [{"robot": r, "length": length} for r in joint.robots]
+        steps = (
+            exact_steps(joint) if n % 2 else [{"robot": r, "length": length} for r in joint.robots]
         )
-        document = {"bound": 0, "solver": "chance", "clocks": clocks}
+        document = {"bound": 0, "solver": "chance", "time_steps": steps}
         rounds = [at_random(joint, rng) for _ in range(rng.randint(1, 4))]
         proof = LatencyProof.model_validate(document | {"rounds": rounds})
-        assert float(proved(joint, proof, value)) <= optimum + 1e-6
+        assert float(pricing_bound(joint, proof, value)) <= optimum + 1e-6
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_cheapest_route_is_that_of_all_routes(seed: int) -> None:
-    """With everything remembered and exact clocks, nothing is relaxed but splitting."""
+    """With everything remembered and exact time steps, nothing is relaxed but splitting."""
     joint, _, _ = mission(seed)
     far = Fraction(6000)
     part = at_random(joint, random.Random(seed), all_remembered=True)
     document = {"bound": 0, "solver": "chance", "rounds": [part]}
-    proof = LatencyProof.model_validate(document | {"clocks": exact_clocks(joint)})
-    reward = sum(item["reward"] for item in part["needs"])
+    proof = LatencyProof.model_validate(document | {"time_steps": exact_steps(joint)})
+    reward = sum(item["dual"] for item in part["tasks"])
     cheapest = [min(route_costs(joint, part, r)) for r in joint.robots]
-    assert float(proved(joint, proof, far)) == pytest.approx(
+    assert float(pricing_bound(joint, proof, far)) == pytest.approx(
         max(reward + sum(cheapest), 0), abs=1e-4
     )
 
 
 def route_costs(joint: Joint, part: Document, robot: int) -> list[float]:
-    """Of all routes of a robot, at the prices; staying at home costs nothing."""
-    begin = {item["victim"]: [0.0, *item["begin"]] for item in part["steps"]}
-    price = {(item["victim"], item["kinds"]): item for item in part["needs"]}
+    """Of all routes of a robot, at the dual values; staying at home costs nothing."""
+    begin = {item["victim"]: [0.0, *item["times"]] for item in part["breakpoints"]}
+    dual = {(item["victim"], item["kinds"]): item for item in part["tasks"]}
     own = {
-        v: [need for need in price if need[0] == v and (robot, v, need[1][0]) in joint.able]
+        v: [task for task in dual if task[0] == v and (robot, v, task[1][0]) in joint.able]
         for v in joint.victims_of[robot]
     }
     costs = [0.0]
@@ -241,9 +249,9 @@ def route_costs(joint: Joint, part: Document, robot: int) -> list[float]:
                         joint.leave[robot, v] if before is None else joint.travel(robot, before, v)
                     )
                     clock += sum(joint.service[v, k] for _, kinds in some for k in kinds)
-                    for need in some:
-                        cost += charge(begin[v], price[need]["charges"], float(clock))
-                        cost -= price[need]["reward"]
+                    for task in some:
+                        cost += charge(begin[v], dual[task]["densities"], float(clock))
+                        cost -= dual[task]["dual"]
                     before = v
                 costs.append(cost)
     return costs
@@ -259,10 +267,10 @@ def charge(begin: list[float], charges: list[float], time: float) -> float:
 
 @pytest.mark.parametrize("limit", range(2))
 @pytest.mark.parametrize("seed", range(6))
-def test_queues_bound_latency_as_the_planner_says(seed: int, limit: int) -> None:
+def test_the_scheduling_bound_is_none_above_the_optimum(seed: int, limit: int) -> None:
     joint, optimum, _ = mission(seed, limit)
-    assert float(in_queues(joint)) <= optimum + 1e-6
-    assert float(joint.at_once("latency")) <= optimum + 1e-6
+    assert float(scheduling_bound(joint)) <= optimum + 1e-6
+    assert float(joint.each_alone("latency")) <= optimum + 1e-6
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -270,5 +278,5 @@ def test_the_bound_at_once_is_the_planners(seed: int) -> None:
     made = random_mission(read_map(MAPS / "map2.map"), 4, 9, seed=seed)
     plan = make_plan(made, planner="greedy")
     joint = Joint.of(plan)
-    ours = max(in_queues(joint), joint.at_once("latency"))
+    ours = max(scheduling_bound(joint), joint.each_alone("latency"))
     assert float(ours) == pytest.approx(latency_bound(problem_of(plan)), rel=1e-9)

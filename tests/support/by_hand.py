@@ -119,7 +119,8 @@ PLAN = {
             "cell": [1, 3],
             "robots": [7],
             "deferred": [],
-        }
+        },
+        {"victims": [30], "centre": [0, 5], "cell": [0, 5], "robots": [], "deferred": []},
     ],
     "certificates": [],
     "planning_seconds": {"one": 0.25, "two": 0.5},

@@ -2,8 +2,8 @@
 
 Five cells in a row, a robot at 1, victims at 0 and 4, service 2 each. The way over victim 0 is
 1 + 4 = 5, so the least time is 9; a plan that serves victim 1 first takes 3 + 4 moves and 4 of service,
-which is 11. With prices u of the degrees (1 and 3), w = -3 for leaving and z = 3 for as many ends as
-starts, f, l, e and y all have a reduced cost of 0: 2 (1 + 3) - 3 = 5.
+which is 11. With dual values u of the degrees (1 and 3), w = -3 for leaving and z = 3 for as many ends
+as starts, f, l, e and y all have a reduced cost of 0: 2 (1 + 3) - 3 = 5.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from typing import Any
 
 Document = dict[str, Any]
 
-PRICES: Document = {
+DUALS: Document = {
     "objective": "total_time",
     "bound": 9,
     "solver": "highs by hand",
-    "degree": [{"robot": 0, "victim": 0, "price": 1}, {"robot": 0, "victim": 1, "price": 3}],
-    "leaves": [{"robot": 0, "price": -3}],
-    "ends": [{"robot": 0, "price": 3}],
+    "degree": [{"robot": 0, "victim": 0, "dual": 1}, {"robot": 0, "victim": 1, "dual": 3}],
+    "leaves": [{"robot": 0, "dual": -3}],
+    "ends": [{"robot": 0, "dual": 3}],
     "served": [
-        {"victim": 0, "kind": "FirstAids", "price": 2},
-        {"victim": 1, "kind": "FirstAids", "price": 6},
+        {"victim": 0, "kind": "FirstAids", "dual": 2},
+        {"victim": 1, "kind": "FirstAids", "dual": 6},
     ],
 }
 """They prove 9."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import Any
 
 from ...mission.instance import Instance
@@ -65,7 +66,7 @@ def certificate(stage: str, solution: Solution) -> Certificate:
         version=solution.solver_version,
         status=solution.status,
         objective=solution.objective,
-        bound=solution.bound,
+        bound=solution.bound if isfinite(solution.bound or 0.0) else None,
         gap=solution.gap,
         proof=solution.proof,
         check=solution.check,

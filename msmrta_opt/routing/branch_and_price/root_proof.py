@@ -41,7 +41,7 @@ def latency_proof(
         {
             "bound": min(root.value, worth),
             "solver": f"highs {version('highspy')}",
-            "clocks": [
+            "time_steps": [
                 {"robot": instance.robots[r].id, "length": step} for r, step in root.clocks.items()
             ],
             "rounds": [_round(instance, data, root.needs, part) for part in root.rounds],
@@ -53,17 +53,17 @@ def _round(instance: Instance, data: RoutingData, needs: Needs, part: Round) -> 
     victims = [victim.id for victim in instance.victims]
     prices = part.prices
     return {
-        "needs": [
+        "tasks": [
             {
                 "victim": victims[v],
                 "kinds": [instance.capabilities[k] for k in kinds],
-                "reward": float(f"{prices.reward[g]:.{_DIGITS}g}"),
-                "charges": [_down(mu, float(data.priority[v])) for mu in prices.density[g]],
+                "dual": float(f"{prices.reward[g]:.{_DIGITS}g}"),
+                "densities": [_down(mu, float(data.priority[v])) for mu in prices.density[g]],
             }
             for g, (v, kinds) in enumerate(zip(needs.victim, needs.kinds, strict=True))
         ],
-        "steps": [
-            {"victim": victims[v], "begin": breaks[1:].tolist()}
+        "breakpoints": [
+            {"victim": victims[v], "times": breaks[1:].tolist()}
             for v, breaks in enumerate(prices.breaks)
             if len(breaks) > 1
         ],

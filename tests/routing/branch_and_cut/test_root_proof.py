@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from support.searches import closed_in
 
-from msmrta_opt.certify.bound import worth
+from msmrta_opt.certify.certificates import worth
 from msmrta_opt.certify.joint_problem import Joint
-from msmrta_opt.certify.linear_bound import Relaxation, relaxation
+from msmrta_opt.certify.linear_relaxation import Relaxation, relaxation
 from msmrta_opt.mission.errors import InputError, SolverError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.maps import read_map
@@ -95,7 +95,7 @@ def test_prices_of_nothing_are_not_stored() -> None:
     _, bound, proof, _ = solved(0)
     assert bound.prices is not None
     stored = proof.model_dump().values()
-    prices = [item["price"] for part in stored if isinstance(part, tuple) for item in part]
+    prices = [item["dual"] for part in stored if isinstance(part, tuple) for item in part]
     assert len(prices) == np.count_nonzero(bound.prices)
     assert 0 not in prices
 

@@ -1,9 +1,9 @@
-r"""The linear relaxation of the joint problem, written out from the instance, and what its prices prove.
+r"""The linear relaxation of the joint problem, written out, and what dual values prove.
 
 A robot's route visits no victim twice (no detour is shorter than the direct way), so it is a path; its
 edges, ends, visits and services are the columns, all between 0 and 1, and every route satisfies the
-rows of `proof`. For any prices p of the rows, each of the sign that its row allows, no plan costs less
-than
+rows of `proof`. For any dual values p of the rows, each of the sign that its row allows, no plan costs
+less than
 
     Σ p b + Σ_j min(0, d_j) u_j,        d = c − A'p
 
@@ -20,7 +20,7 @@ from itertools import combinations
 
 from ..mission.errors import CheckError
 from ..mission.proof import PathCut, RootProof, SubtourCut
-from .joint_problem import Joint
+from .joint_problem import Joint, figure
 
 Column = tuple[str | int, ...]
 """``("y", robot, victim)``, ``f`` and ``l`` alike, ``("e", robot, i, j)`` with i < j,
@@ -30,64 +30,66 @@ MAKESPAN: Column = ("T",)
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """``lower ≤ Σ entries ≤ upper``, and its price; no side is ``None``."""
+    """``lower ≤ Σ entries ≤ upper``, and its dual value; no side is ``None``."""
 
     name: str
     entries: Mapping[Column, Fraction | int]
     lower: Fraction | int | None
     upper: Fraction | int | None
-    price: Fraction
+    dual: Fraction
 
 
 @dataclass(frozen=True, eq=False)
 class Relaxation:
-    """Columns with their costs and largest values (the least are 0), rows, and what all plans cost."""
+    """Columns with costs and largest values (the smallest are 0), rows, and what all plans cost."""
 
     cost: Mapping[Column, Fraction | int]
-    most: Mapping[Column, Fraction | int]
+    upper: Mapping[Column, Fraction | int]
     rows: tuple[Row, ...]
     offset: Fraction
 
     def bound(self) -> Fraction:
-        """What the prices prove.
+        """What the dual values prove.
 
         Raises
         ------
         CheckError
-            If a price has the wrong sign.
+            If one has the wrong sign.
         """
         worth = self.offset
         reduced = {column: Fraction(cost) for column, cost in self.cost.items()}
         for row in self.rows:
-            if not row.price:
+            if not row.dual:
                 continue
-            side = row.lower if row.price > 0 else row.upper
+            side = row.lower if row.dual > 0 else row.upper
             if side is None:
-                raise CheckError(f"the price {float(row.price):g} of {row.name} has the wrong sign")
-            worth += row.price * side
+                raise CheckError(
+                    f"the dual value {figure(row.dual)} of {row.name} has the wrong sign"
+                )
+            worth += row.dual * side
             for column, weight in row.entries.items():
-                reduced[column] -= row.price * weight
-        return worth + sum(d * self.most[column] for column, d in reduced.items() if d < 0)
+                reduced[column] -= row.dual * weight
+        return worth + sum(d * self.upper[column] for column, d in reduced.items() if d < 0)
 
 
 def relaxation(joint: Joint, proof: RootProof, worth: Fraction) -> Relaxation:
-    """The relaxation of `joint` with the cuts and the prices of `proof`.
+    """The relaxation of `joint` with the cuts and the dual values of `proof`.
 
     Parameters
     ----------
     joint : Joint
         The joint problem.
     proof : RootProof
-        Which cuts there are, and the price of each row.
+        Which cuts there are, and the dual value of each row.
     worth : Fraction
         What a plan at hand is worth: no better one has a larger makespan.
 
     Raises
     ------
     CheckError
-        If a price is of a row that there is not, or a cut is not one of the kinds that hold.
+        If a dual value is of a row that there is not, or a cut is not one of the kinds that hold.
     """
-    prices = _Prices(proof)
+    duals = _Duals(proof)
     loads = proof.objective == "makespan" or joint.endurance is not None
     travel = _travel(joint)
     busy = dict(travel)
@@ -101,18 +103,18 @@ def relaxation(joint: Joint, proof: RootProof, worth: Fraction) -> Relaxation:
         }
     else:
         cost = {**visits, **dict.fromkeys(busy, 0), **travel}
-    rows = [*_paths(joint, prices), *_services(joint, prices, loads=loads)]
-    rows += _limits(joint, prices, travel, busy, proof.objective)
+    rows = [*_paths(joint, duals), *_services(joint, duals, loads=loads)]
+    rows += _limits(joint, duals, travel, busy, proof.objective)
     rows += _cuts(joint, proof)
-    if left := prices.left():
-        raise CheckError(f"there is a price of {left}, which is no row of this problem")
-    most: dict[Column, Fraction | int] = {c: worth if c == MAKESPAN else 1 for c in cost}
-    return Relaxation(cost, most, tuple(rows), joint.offset(proof.objective))
+    if left := duals.left():
+        raise CheckError(f"there is a dual value of {left}, which is no row of this problem")
+    upper: dict[Column, Fraction | int] = {c: worth if c == MAKESPAN else 1 for c in cost}
+    return Relaxation(cost, upper, tuple(rows), joint.offset(proof.objective))
 
 
 @dataclass
-class _Prices:
-    """The prices of the rows that are not cuts, each to be asked for once."""
+class _Duals:
+    """The dual values of the rows that are not cuts, each to be asked for once."""
 
     proof: RootProof
     open: dict[tuple[str | int, ...], Fraction] = field(init=False)
@@ -130,14 +132,15 @@ class _Prices:
             "makespan",
         ):
             for item in getattr(self.proof, name):
-                *about, price = item.model_dump().values()
-                key = (name, *about)
+                about = item.model_dump()
+                dual = Fraction(about.pop("dual"))
+                key = (name, *about.values())
                 if key in self.open:
-                    raise CheckError(f"the price of {_named(key)} is given twice")
-                self.open[key] = Fraction(price)
+                    raise CheckError(f"the dual value of {_named(key)} is given twice")
+                self.open[key] = dual
 
     def of(self, *key: str | int) -> tuple[str, Fraction]:
-        """Name and price of a row."""
+        """Name and dual value of a row."""
         return _named(key), self.open.pop(key, Fraction(0))
 
     def left(self) -> str:
@@ -157,38 +160,40 @@ def _travel(joint: Joint) -> dict[Column, Fraction]:
     return time | {("e", *key): way for key, way in joint.between.items()}
 
 
-def _paths(joint: Joint, prices: _Prices) -> Iterator[Row]:
+def _paths(joint: Joint, duals: _Duals) -> Iterator[Row]:
     for r, victims in joint.victims_of.items():
         for v in victims:
             around: dict[Column, int] = {("f", r, v): 1, ("l", r, v): 1, ("y", r, v): -2}
             around |= {("e", r, *sorted((v, w))): 1 for w in victims if w != v}
-            name, price = prices.of("degree", r, v)
-            yield Row(name, around, 0, 0, price)
+            name, dual = duals.of("degree", r, v)
+            yield Row(name, around, 0, 0, dual)
         first: dict[Column, int] = {("f", r, v): 1 for v in victims}
-        name, price = prices.of("leaves", r)
-        yield Row(name, first, 0, 1, price)
-        name, price = prices.of("ends", r)
-        yield Row(name, first | {("l", r, v): -1 for v in victims}, 0, 0, price)
+        name, dual = duals.of("leaves", r)
+        yield Row(name, first, 0, 1, dual)
+        name, dual = duals.of("ends", r)
+        yield Row(name, first | {("l", r, v): -1 for v in victims}, 0, 0, dual)
 
 
-def _services(joint: Joint, prices: _Prices, *, loads: bool) -> Iterator[Row]:
-    able: dict[tuple[int, str], list[int]] = {need: [] for need in sorted(joint.service)}
+def _services(joint: Joint, duals: _Duals, *, loads: bool) -> Iterator[Row]:
+    able: dict[tuple[int, str], list[int]] = {
+        requirement: [] for requirement in sorted(joint.service)
+    }
     for r, v, k in sorted(joint.able):
         able[v, k].append(r)
     for (v, k), robots in able.items():
-        name, price = prices.of("served", v, k)
+        name, dual = duals.of("served", v, k)
         if not loads:
-            yield Row(name, {("y", r, v): 1 for r in robots}, 1, None, price)
+            yield Row(name, {("y", r, v): 1 for r in robots}, 1, None, dual)
             continue
-        yield Row(name, {("a", r, v, k): 1 for r in robots}, 1, 1, price)
+        yield Row(name, {("a", r, v, k): 1 for r in robots}, 1, 1, dual)
         for r in robots:
-            name, price = prices.of("present", r, v, k)
-            yield Row(name, {("a", r, v, k): 1, ("y", r, v): -1}, None, 0, price)
+            name, dual = duals.of("present", r, v, k)
+            yield Row(name, {("a", r, v, k): 1, ("y", r, v): -1}, None, 0, dual)
 
 
 def _limits(
     joint: Joint,
-    prices: _Prices,
+    duals: _Duals,
     travel: Mapping[Column, Fraction],
     busy: Mapping[Column, Fraction],
     objective: str,
@@ -199,14 +204,14 @@ def _limits(
             for times in (travel, busy)
         )
         if r in joint.walk:
-            name, price = prices.of("walk", r)
-            yield Row(name, walked, None, joint.walk[r], price)
+            name, dual = duals.of("walk", r)
+            yield Row(name, walked, None, joint.walk[r], dual)
         if joint.endurance is not None:
-            name, price = prices.of("endurance", r)
-            yield Row(name, used, None, joint.endurance, price)
+            name, dual = duals.of("endurance", r)
+            yield Row(name, used, None, joint.endurance, dual)
         if objective == "makespan":
-            name, price = prices.of("makespan", r)
-            yield Row(name, used | {MAKESPAN: Fraction(-1)}, None, 0, price)
+            name, dual = duals.of("makespan", r)
+            yield Row(name, used | {MAKESPAN: Fraction(-1)}, None, 0, dual)
 
 
 def _cuts(joint: Joint, proof: RootProof) -> Iterator[Row]:
@@ -215,7 +220,7 @@ def _cuts(joint: Joint, proof: RootProof) -> Iterator[Row]:
         for number, cut in enumerate(cuts):
             name = f"cut {kind}[{number}]"
             _require_valid(joint, name, kind, cut)
-            yield Row(name, _entries(joint, kind, cut), None, 0, Fraction(cut.price))
+            yield Row(name, _entries(joint, kind, cut), None, 0, Fraction(cut.dual))
 
 
 def _require_valid(joint: Joint, name: str, kind: str, cut: PathCut) -> None:

@@ -1,4 +1,4 @@
-"""What prices prove, by hand; and every row that is written out holds on every route."""
+"""What dual values prove, by hand; and every row that is written out holds on every route."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.corridor import PRICES
+from support.corridor import DUALS
 
 from msmrta_opt.certify.joint_problem import Joint
-from msmrta_opt.certify.linear_bound import Column, relaxation
+from msmrta_opt.certify.linear_relaxation import Column, relaxation
 from msmrta_opt.mission.errors import CheckError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance
@@ -24,17 +24,17 @@ from msmrta_opt.mission.proof import RootProof
 MAPS = Path(__file__).parents[2] / "instances" / "maps"
 KIND = "FirstAids"
 
-MAKESPAN: dict[str, Any] = PRICES | {
+MAKESPAN: dict[str, Any] = DUALS | {
     "objective": "makespan",
     "served": [
-        {"victim": 0, "kind": KIND, "price": 4},
-        {"victim": 1, "kind": KIND, "price": 8},
+        {"victim": 0, "kind": KIND, "dual": 4},
+        {"victim": 1, "kind": KIND, "dual": 8},
     ],
     "present": [
-        {"robot": 0, "victim": 0, "kind": KIND, "price": -2},
-        {"robot": 0, "victim": 1, "kind": KIND, "price": -6},
+        {"robot": 0, "victim": 0, "kind": KIND, "dual": -2},
+        {"robot": 0, "victim": 1, "kind": KIND, "dual": -6},
     ],
-    "makespan": [{"robot": 0, "price": -1}],
+    "makespan": [{"robot": 0, "dual": -1}],
 }
 
 
@@ -49,57 +49,57 @@ def proved(joint: Joint, document: dict[str, Any], worth: int = 9) -> Fraction:
     return relaxation(joint, proof, Fraction(worth)).bound()
 
 
-@pytest.mark.parametrize("document", [PRICES, MAKESPAN], ids=lambda d: str(d["objective"]))
-def test_good_prices_prove_the_least_value(corridor: Joint, document: dict[str, Any]) -> None:
+@pytest.mark.parametrize("document", [DUALS, MAKESPAN], ids=lambda d: str(d["objective"]))
+def test_good_dual_values_prove_the_minimum(corridor: Joint, document: dict[str, Any]) -> None:
     assert proved(corridor, document) == 9
 
 
-def test_prices_that_are_off_prove_less(corridor: Joint) -> None:
-    """A degree price of 4: e, f and l of victim 1 have a reduced cost of -1 each."""
-    off = PRICES | {"degree": [PRICES["degree"][0], PRICES["degree"][1] | {"price": 4}]}
+def test_dual_values_that_are_off_prove_less(corridor: Joint) -> None:
+    """A dual value of 4 for the degree: e, f and l of victim 1 have a reduced cost of -1 each."""
+    off = DUALS | {"degree": [DUALS["degree"][0], DUALS["degree"][1] | {"dual": 4}]}
     assert proved(corridor, off) == 6
 
 
-def test_no_prices_prove_what_all_plans_cost(corridor: Joint) -> None:
+def test_no_dual_values_prove_what_all_plans_cost(corridor: Joint) -> None:
     nothing = {"bound": 0, "solver": "nobody"}
     assert proved(corridor, nothing | {"objective": "total_time"}) == 4
     assert proved(corridor, nothing | {"objective": "makespan"}) == 0
 
 
 def test_a_makespan_above_the_plan_at_hand_is_none_to_look_at(corridor: Joint) -> None:
-    """At twice the price, T has a reduced cost of -1, and is at most what the plan is worth."""
+    """At twice the dual values, T has a reduced cost of -1, and is at most what the plan is worth."""
     twice = MAKESPAN | {
-        name: [item | {"price": 2 * item["price"]} for item in MAKESPAN[name]]
+        name: [item | {"dual": 2 * item["dual"]} for item in MAKESPAN[name]]
         for name in ("degree", "leaves", "ends", "served", "present", "makespan")
     }
     assert proved(corridor, twice, worth=9) == 2 * 9 - 9
     assert proved(corridor, twice, worth=10) == 2 * 9 - 10
 
 
-SUBTOUR = {"robot": 0, "victims": [0, 1], "victim": 0, "price": -1}
+SUBTOUR = {"robot": 0, "victims": [0, 1], "victim": 0, "dual": -1}
 
 
 @pytest.mark.parametrize(
     ("forged", "problem"),
     [
-        ({"leaves": [{"robot": 0, "price": 3}]}, None),  # a row with two sides takes any sign
+        ({"leaves": [{"robot": 0, "dual": 3}]}, None),  # a row with two sides takes any sign
         (
-            {"served": [{"victim": 0, "kind": KIND, "price": -2}]},
+            {"served": [{"victim": 0, "kind": KIND, "dual": -2}]},
             "row served[0, FirstAids] has the",
         ),
-        ({"subtour": [SUBTOUR | {"price": 1}]}, "cut subtour[0] has the wrong sign"),
-        ({"leaves": [{"robot": 7, "price": -1}]}, "row leaves[7], which is no row"),
-        ({"degree": [{"robot": 0, "victim": 9, "price": 1}]}, "degree[0, 9], which is no row"),
-        ({"served": [{"victim": 0, "kind": "Defuser", "price": 1}]}, "Defuser], which is no row"),
-        ({"makespan": [{"robot": 0, "price": -1}]}, "makespan[0], which is no row"),
-        ({"walk": [{"robot": 0, "price": -1}]}, "walk[0], which is no row"),
-        ({"leaves": [{"robot": 0, "price": -1}] * 2}, "row leaves[0] is given twice"),
+        ({"subtour": [SUBTOUR | {"dual": 1}]}, "cut subtour[0] has the wrong sign"),
+        ({"leaves": [{"robot": 7, "dual": -1}]}, "row leaves[7], which is no row"),
+        ({"degree": [{"robot": 0, "victim": 9, "dual": 1}]}, "degree[0, 9], which is no row"),
+        ({"served": [{"victim": 0, "kind": "Defuser", "dual": 1}]}, "Defuser], which is no row"),
+        ({"makespan": [{"robot": 0, "dual": -1}]}, "makespan[0], which is no row"),
+        ({"walk": [{"robot": 0, "dual": -1}]}, "walk[0], which is no row"),
+        ({"leaves": [{"robot": 0, "dual": -1}] * 2}, "row leaves[0] is given twice"),
         ({"subtour": [SUBTOUR | {"victims": [1]}]}, "only for a victim in its set, not 0"),
         ({"outside": [SUBTOUR]}, "only for a victim outside its set, not 0"),
         ({"subtour": [SUBTOUR | {"victims": [0, 1, 1]}]}, "holds a victim twice"),
         ({"subtour": [SUBTOUR | {"victims": [0, 5]}]}, "victim 5, which robot 0 cannot serve"),
         ({"subtour": [SUBTOUR | {"robot": 4}]}, "robot 4, which is not there"),
-        ({"first": [{"robot": 0, "victims": [3], "price": -1}]}, "victim 3, which robot 0 cannot"),
+        ({"first": [{"robot": 0, "victims": [3], "dual": -1}]}, "victim 3, which robot 0 cannot"),
     ],
 )
 def test_what_does_not_hold_is_refused(
@@ -124,7 +124,7 @@ def some_cuts(joint: Joint, rng: random.Random) -> dict[str, list[dict[str, Any]
         for _ in range(8):
             inside = sorted(rng.sample(own, rng.randint(0, len(own))))
             outside = sorted(set(own) - set(inside))
-            cut = {"robot": r, "victims": inside, "price": -1.0}
+            cut = {"robot": r, "victims": inside, "dual": -1.0}
             cuts["first"].append(cut)
             cuts["last"].append(cut)
             if inside:

@@ -1,8 +1,8 @@
-"""A robot's relaxed routes: paths through places, memories and steps of time, and the cheapest of them.
+"""A robot's ng-routes: paths through victims, memories and steps of time, and the cheapest of them.
 
 Times are rounded down to whole steps, and a robot at a victim remembers only neighbours of it, so it may
-come back to others (ng-routes). Every route is such a path, no later and no dearer, so the cheapest path
-is no dearer than the cheapest route.
+come back to others (ng-routes). Every route is such a path, no later and at no greater cost, so the
+cheapest path costs no more than the cheapest route.
 
 For checks: all is worked out from the joint problem, in whole numbers, and nothing is shared with the
 planners.
@@ -20,28 +20,27 @@ from itertools import combinations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Ints
 from ..mission.errors import CheckError
 from .joint_problem import Joint
 
-Ints = NDArray[np.int64]
-Need = tuple[int, tuple[str, ...]]
+Task = tuple[int, tuple[str, ...]]
 """A victim, and the kinds that are served there together."""
 Deadlines = dict[int, Fraction | None]
 """When each victim is complete at the latest; ``None`` if nothing is known."""
 
 NEVER = 1 << 61
 """The cost of what cannot be: two of them still are a number."""
-_MOST_CELLS = 40_000_000
+_MAX_CELLS = 40_000_000
 """States times steps of a robot, beyond which memory would run out."""
 
 
-class Priced(Protocol):
-    """What a need costs."""
+class Costed(Protocol):
+    """What a task costs."""
 
-    def cost(self, times: Ints) -> Ints:
-        """If it is done at `times`, in parts of a time unit."""
+    def cost(self, step: Fraction, n: int) -> Ints:
+        """If it is done at 0, 1, …, n - 1 times `step`."""
 
 
 def last_services(joint: Joint, robot: int, deadlines: Deadlines) -> dict[int, Fraction]:
@@ -71,64 +70,75 @@ class Network:
     ----------
     joint : Joint
         The joint problem.
-    needs : dict
-        The needs of each victim.
+    tasks : dict
+        The tasks of each victim.
     robot : int
         Whose network.
     step : Fraction
-        Time units of its steps.
+        Its step of time, in time units.
     deadlines : dict
         When each victim is complete at the latest, if anything is known.
-    parts : int
-        Of a time unit, in which times are whole numbers.
+
+    Raises
+    ------
+    CheckError
+        If there are more steps than memory has room for.
     """
 
     def __init__(
         self,
         joint: Joint,
-        needs: dict[int, tuple[Need, ...]],
+        tasks: dict[int, tuple[Task, ...]],
         robot: int,
         step: Fraction,
         deadlines: Deadlines,
-        parts: int,
     ) -> None:
-        self.robot = robot
-        self.parts = int(step * parts)
-        """Of a time unit in a step."""
+        self.robot, self.step = robot, step
         self.victims = victims = joint.victims_of[robot]
         m = len(victims)
         self.options = [
-            _options([need for need in needs[v] if (robot, v, need[1][0]) in joint.able])
+            _options([task for task in tasks[v] if (robot, v, task[1][0]) in joint.able])
             for v in victims
         ]
+        latest = last_services(joint, robot, deadlines)
+        lasts = [math.floor(latest[v] / step) for v in victims]
+        self.last = max(0, *lasts)
+        n_options = max(map(len, self.options))
+        if m * n_options * (self.last + 1) > _MAX_CELLS:
+            raise CheckError(f"the time step of robot {robot} is too short to count with")
+        self.open = np.zeros((m, n_options, self.last + 1), dtype=bool)
+        for i, last in enumerate(lasts):
+            self.open[i, : len(self.options[i]), : max(last + 1, 0)] = True
+
+        def steps(time: Fraction) -> int:
+            return min(math.floor(time / step), self.last + 1)
+
         self.service = [
             [
-                math.floor(sum(joint.service[v, k] for _, kinds in some for k in kinds) / step)
+                steps(sum((joint.service[v, k] for _, kinds in some for k in kinds), Fraction(0)))
                 for some in own
             ]
             for v, own in zip(victims, self.options, strict=True)
         ]
         self.legs = np.zeros((m + 1, m), dtype=np.int64)
         for j, v in enumerate(victims):
-            self.legs[m, j] = math.floor(joint.leave[robot, v] / step)
+            self.legs[m, j] = steps(joint.leave[robot, v])
             for i, w in enumerate(victims):
                 if i != j:
-                    self.legs[i, j] = math.floor(joint.travel(robot, w, v) / step)
-        latest = last_services(joint, robot, deadlines)
-        lasts = [math.floor(latest[v] / step) for v in victims]
-        self.last = max(0, *lasts)
+                    self.legs[i, j] = steps(joint.travel(robot, w, v))
         self.leg_open = ~np.eye(m + 1, m, dtype=bool)
-        self.open = np.zeros((m, max(map(len, self.options)), self.last + 1), dtype=bool)
-        for i, last in enumerate(lasts):
-            self.open[i, : len(self.options[i]), : max(last + 1, 0)] = True
 
-    def cost(self, prices: Mapping[Need, Priced]) -> Ints:
+    def cost(self, duals: Mapping[Task, Costed]) -> Ints:
         """Of being done with every option at every step, ``(m, n_options, last + 1)``."""
-        times = np.arange(self.last + 1) * self.parts
         cost = np.full(self.open.shape, NEVER)
         for i, options in enumerate(self.options):
+            alone = {
+                task: duals[task].cost(self.step, self.last + 1)
+                for some in options
+                for task in some
+            }
             for j, some in enumerate(options):
-                cost[i, j] = sum(prices[need].cost(times) for need in some)
+                cost[i, j] = sum(alone[task] for task in some)
         cost[~self.open] = NEVER
         return cost
 
@@ -153,17 +163,17 @@ class Network:
                 head = number.setdefault(place, len(places))
                 if head == len(places):
                     places.append(place)
-                    if len(places) * (self.last + 1) > _MOST_CELLS:
+                    if len(places) * (self.last + 1) > _MAX_CELLS:
                         raise CheckError(f"robot {self.robot} remembers too much to count")
                 leg = int(self.legs[i, j])
                 moves += [(head, tail, i, j, o, leg + self.service[j][o]) for o in usable[j]]
         return States(len(places), np.array(sorted(moves), dtype=np.int64).reshape(-1, 6))
 
-    def rule_out(self, states: States, cost: Ints, there: Ints, most: int) -> None:
-        """Rule out what only paths that cost more than `most` do."""
+    def rule_out(self, states: States, cost: Ints, there: Ints, limit: int) -> None:
+        """Rule out what only paths that cost more than `limit` do."""
         service, leg = states.through(cost, there, self.leg_open.shape)
-        self.open &= service <= most
-        self.leg_open &= leg <= most
+        self.open &= service <= limit
+        self.leg_open &= leg <= limit
         used = np.flatnonzero(self.open.any(axis=(0, 1)))
         self.last = int(used[-1]) if len(used) else 0
         self.open = self.open[:, :, : self.last + 1]
@@ -216,11 +226,11 @@ class States:
         by_tail = np.argsort(self.tail, kind="stable")
         tails, first = np.unique(self.tail[by_tail], return_index=True)
         later = (self.head * width + self.steps)[by_tail]
-        price = (self._rows(cost) * width + self.steps)[by_tail]
+        onward = (self._rows(cost) * width + self.steps)[by_tail]
         row, here = self._rows(cost), self._rows(cost) * n_steps
         of_leg = self.origin * legs[1] + self.victim
         for t in range(n_steps - 1, 0, -1):
-            ways = after.ravel()[later + t] + ahead.ravel()[price + t]
+            ways = after.ravel()[later + t] + ahead.ravel()[onward + t]
             after[:, t] = 0
             after[tails, t] = np.minimum(np.minimum.reduceat(ways, first), 0)
             left = np.where(self.steps <= t, t - self.steps, n_steps)
@@ -235,6 +245,6 @@ class States:
         return np.asarray(self.victim * cost.shape[1] + self.option)
 
 
-def _options(needs: list[Need]) -> list[tuple[Need, ...]]:
+def _options(tasks: list[Task]) -> list[tuple[Task, ...]]:
     """What may be served in one visit."""
-    return [some for n in range(1, len(needs) + 1) for some in combinations(needs, n)]
+    return [some for n in range(1, len(tasks) + 1) for some in combinations(tasks, n)]

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.corridor import PRICES, Document, backwards
+from support.corridor import DUALS, Document, backwards
 from support.joint_oracle import least
 
 import msmrta_opt as mo
-from msmrta_opt.certify.bound import SMALL_PROOFS, Recheck, recheck
+from msmrta_opt.certify.certificates import SMALL_PROOFS, Recheck, recheck
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import random_mission
@@ -47,7 +47,7 @@ def test_what_is_proved_again_is_no_more_than_the_optimum(
     seed: int, objective: str, limit: int
 ) -> None:
     plan = made(seed, objective, limit)
-    found = recheck(plan)
+    (found,) = recheck(plan)
     assert found.problems == ()
     optimum = least(problem_of(plan), objective)  # type: ignore[arg-type]
     assert found.proved is not None
@@ -58,7 +58,7 @@ def test_what_is_proved_again_is_no_more_than_the_optimum(
         assert float(found.proved) == pytest.approx(optimum)
 
 
-def test_some_of_these_plans_are_proved_by_prices_and_cuts() -> None:
+def test_some_of_these_plans_are_proved_by_dual_values_and_cuts() -> None:
     """Otherwise the tests above would be about nothing."""
     roots = [made(seed, objective).certificates[0].root for seed in range(3) for objective in BOTH]
     assert any(root is not None and root.n_cuts for root in roots)
@@ -72,10 +72,10 @@ def test_a_plan_comes_back_from_its_file_with_its_proof(tmp_path: Path) -> None:
     plan.save(tmp_path / "plan.json")
     again = Plan.read(tmp_path / "plan.json")
     assert again.certificates == plan.certificates
-    assert recheck(again).whole
+    assert recheck(again)[0].whole
 
 
-def test_some_of_these_latencies_are_proved_by_prices_alone() -> None:
+def test_some_of_these_latencies_are_proved_by_dual_values_alone() -> None:
     """Otherwise the tests above would be about less."""
     proofs = [made(seed, "latency").certificates[0].proof for seed in range(3)]
     assert "column generation" in proofs
@@ -85,13 +85,13 @@ def test_a_latency_stopped_early_is_proved_again_as_far_as_it_got() -> None:
     mission = made(0, "total_time").instance
     for time_limit in (0.0, 0.2):
         plan = mo.plan(mission, planner="exact", objective="latency", time_limit=time_limit)
-        assert recheck(plan).problems == ()
+        assert recheck(plan)[0].problems == ()
 
 
 def test_the_papers_latency_is_proved_again_whole(tmp_path: Path) -> None:
     plan = mo.plan(mo.read(str(MAPS.parent / "paper.json")), planner="exact", objective="latency")
     plan.save(tmp_path / "plan.json")
-    found = recheck(Plan.read(tmp_path / "plan.json"))
+    (found,) = recheck(Plan.read(tmp_path / "plan.json"))
     assert (found.problems, found.whole) == ((), True)
     assert found.proved == Fraction(6190, 3)
 
@@ -116,11 +116,11 @@ def forged(plan: Plan, edit: Callable[[Document], None]) -> Recheck:
     edit(document["certificates"][0])
     changed = Plan.model_validate(document)
     assert problems(changed) == []
-    return recheck(changed)
+    return recheck(changed)[0]
 
 
 def with_root(**changes: Any) -> Callable[[Document], None]:
-    return lambda certificate: certificate.update(root=PRICES | changes, proof="root LP")
+    return lambda certificate: certificate.update(root=DUALS | changes, proof="root LP")
 
 
 def says(**changes: Any) -> Callable[[Document], None]:
@@ -131,7 +131,7 @@ def says(**changes: Any) -> Callable[[Document], None]:
     return edit
 
 
-def test_prices_by_hand_prove_the_corridor(corridor: Plan) -> None:
+def test_dual_values_by_hand_prove_the_corridor(corridor: Plan) -> None:
     found = forged(corridor, with_root())
     assert (found.problems, found.proved, found.whole) == ((), 9, True)
 
@@ -141,10 +141,10 @@ def test_prices_by_hand_prove_the_corridor(corridor: Plan) -> None:
     [
         (with_root(bound=10), "the root bound is 10, but only 9 is proved"),
         (with_root(served=[], ends=[]), "the root bound is 9, but only 7 is proved"),
-        (with_root(leaves=[{"robot": 0, "price": -9}]), "the root bound is 9, but only 7 is"),
+        (with_root(leaves=[{"robot": 0, "dual": -9}]), "the root bound is 9, but only 7 is"),
         (with_root(objective="makespan"), "the root bound is on the makespan"),
         (
-            with_root(subtour=[{"robot": 0, "victims": [0], "victim": 1, "price": -5}]),
+            with_root(subtour=[{"robot": 0, "victims": [0], "victim": 1, "dual": -5}]),
             "cut subtour[0] holds only for a victim in its set, not 1",
         ),
         (says(root=None), "nothing is stored that proves a bound by root LP"),
@@ -168,7 +168,7 @@ def test_a_forgery_is_refused_for_what_it_is(
 def test_what_branch_and_cut_proved_is_named_and_not_proved_again(corridor: Plan) -> None:
     def edit(certificate: Document) -> None:
         weak = {"bound": 7, "degree": [], "leaves": [], "ends": [], "served": []}
-        certificate.update(root=PRICES | weak, proof="branch and cut")
+        certificate.update(root=DUALS | weak, proof="branch and cut")
 
     found = forged(corridor, edit)
     assert (found.problems, found.proved, found.whole) == ((), 7, False)
@@ -180,11 +180,11 @@ def test_a_lower_bound_that_is_honest_holds(corridor: Plan) -> None:
 
 
 def test_a_worse_plan_does_not_make_the_bound_worse(corridor: Plan) -> None:
-    """The same prices, beside the plan that serves victim 1 first and is done at 3 + 2 + 4 + 2."""
+    """The same dual values, beside the plan that serves victim 1 first and is done at 3 + 2 + 4 + 2."""
     document = backwards(corridor.document())
     certificate = document["certificates"][0]
-    certificate.update(root=PRICES, proof="root LP", gap=2 / 11, status="feasible")
+    certificate.update(root=DUALS, proof="root LP", gap=2 / 11, status="feasible")
     plan = Plan.model_validate(document)
     assert problems(plan) == []
-    found = recheck(plan)
+    (found,) = recheck(plan)
     assert (found.problems, found.value, found.proved) == ((), 11, 9)
