@@ -57,12 +57,15 @@ if TYPE_CHECKING:
     from .optimise.registry import add_models as add_models
     from .optimise.registry import copy_model as copy_model
     from .optimise.registry import get as model  # noqa: F401
+    from .optimise.registry import models as list_models  # noqa: F401
     from .optimise.registry import models as models
     from .optimise.registry import reload_models as reload_models
     from .optimise.registry import remove_models as remove_models
     from .optimise.solution import Solution as Solution
     from .optimise.solve import solve as solve
+    from .optimise.solvers import solvers as list_solvers  # noqa: F401
     from .planners import plan as plan
+    from .planners import planners as list_planners  # noqa: F401
     from .planners import planners as planners
     from .planners.support.mip_start import mip_start as mip_start
     from .stages import algorithm as algorithm

@@ -67,15 +67,19 @@ HOME = MappingProxyType(
         "StagedOptions": "stages.options",
         "reload_models": "optimise.registry",
         "plan": "planners",
-        "planners": "planners",
+        "list_planners": "planners:planners",
+        "list_models": "optimise.registry:models",
+        "list_solvers": "optimise.solvers:solvers",
         "mip_start": "planners.support.mip_start",
         "scouting": "stages.scouting",
     }
 )
 """By public name the module it is in, after a colon its name there if that is another."""
-MODULES = MappingProxyType({"algorithm": "stages.algorithm", "plots": "plots"})
-
-"""Modules that are public as a whole."""
+MODULES = MappingProxyType(
+    {"algorithm": "stages.algorithm", "planners": "planners", "plots": "plots"}
+)
+"""Modules that are public as a whole. A name of HOME is that of no module of ours: importing one
+sets it in the package, in place of what was there."""
 
 
 def load(name: str) -> Any:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from ..routing.objectives import NAMES
 from .check import check
-
-if TYPE_CHECKING:
-    from ..planners.support.planner import Planner
 
 InstanceFile = Annotated[Path, typer.Argument(help="An instance file.", metavar="INSTANCE")]
 Json = Annotated[Path | None, typer.Option("--json", help="Write the result here, as JSON.")]
@@ -91,24 +88,11 @@ def planners() -> None:
         (
             planner.name,
             planner.title,
-            ", ".join(f"{name}={_plain(value)}" for name, value in _options(planner).items()),
+            ", ".join(f"{name}={_plain(value)}" for name, value in planner.options.items()),
         )
         for planner in all_planners().values()
     ]
     table("Planners", ["name", "what it is", "options"], rows)
-
-
-def _options(planner: Planner) -> dict[str, object]:
-    """The options of a planner, with their defaults."""
-    import inspect
-
-    from ..stages.options import StagedOptions
-
-    _, *parameters = inspect.signature(planner.run).parameters.values()
-    options = {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
-    if any(p.kind is p.VAR_KEYWORD for p in parameters):
-        options |= StagedOptions().as_dict()
-    return options
 
 
 def _plain(value: object) -> str:

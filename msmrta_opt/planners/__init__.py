@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import importlib
-import inspect
 import math
 import pkgutil
+import sys
 from collections.abc import Mapping
 from functools import cache
 from numbers import Real
+from types import ModuleType
 from typing import Any
 
 from ..certify.plan import check_plan
@@ -17,9 +18,11 @@ from ..mission.instance import Instance
 from ..mission.plan import Plan
 from ..routing.objectives import DEFAULT, objective_of
 from ..routing.parameters import Parameters
-from ..stages.options import StagedOptions
 from .support.improvement import improve_plan
 from .support.planner import Planner
+
+OF_SEARCH = ("objective", "parameters")
+"""Options of local search, which planners that search have, too."""
 
 
 @cache
@@ -69,12 +72,12 @@ def plan(
     CheckError
         If the plan fails its independent check, which would be a defect of the planner.
     """
-    of_search = {"objective": objective, "parameters": parameters}
+    of_search = dict(zip(OF_SEARCH, (objective, parameters), strict=True))
     check_options(planner, {"improve": improve, **of_search, **options})
-    run = planners()[planner].run
-    takes = inspect.signature(run).parameters
-    options |= {name: x for name, x in of_search.items() if x is not None and name in takes}
-    made = check_plan(run(instance, **options))
+    chosen = planners()[planner]
+    options |= {k: x for k, x in of_search.items() if x is not None and k in chosen.options}
+    chosen.load(options)
+    made = check_plan(chosen.run(instance, **options))
     if improve is False:
         return made
     return check_plan(
@@ -99,27 +102,25 @@ def check_options(planner: str, options: Mapping[str, Any]) -> None:
     known = planners()
     if planner not in known:
         raise InputError(f"{planner!r}; give one of {', '.join(known)}", field="planner")
-    takes = inspect.signature(known[planner].run).parameters
-    shared = ("improve", "objective", "parameters")
-    own = {name: value for name, value in options.items() if name not in shared}
-    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in takes.values()):
-        StagedOptions.of(**own)
-    else:
-        for name in own:
-            if name not in takes:
-                there = ", ".join(list(takes)[1:])
-                raise InputError(
-                    f"planner {planner} has no such option; it has {there}", field=name
-                )
+    chosen = known[planner]
+    takes = chosen.options
+    own = {k: x for k, x in options.items() if k not in ("improve", *OF_SEARCH, "callbacks")}
+    for name in own:
+        if name not in takes:
+            raise InputError(
+                f"planner {planner} has no such option; it has {', '.join(takes)}", field=name
+            )
+    if chosen.check is not None:
+        chosen.check(own)
     improve = options.get("improve", False)
-    objective, parameters = options.get("objective"), options.get("parameters")
     _check_improve(improve)
-    if "objective" in takes and improve is not False:
+    if chosen.improves_itself and improve is not False:
         raise InputError(f"planner {planner} improves by itself; leave it out", field="improve")
-    if objective is not None:
-        objective_of(objective)
-    Parameters.of(parameters)
-    for name, value in {"objective": objective, "parameters": parameters}.items():
+    of_search = {name: options.get(name) for name in OF_SEARCH}
+    if of_search["objective"] is not None:
+        objective_of(of_search["objective"])
+    Parameters.of(of_search["parameters"])
+    for name, value in of_search.items():
         if value is not None and name not in takes and improve is False:
             raise InputError(
                 f"planner {planner} has no {name} of its own; give improve with it", field=name
@@ -132,3 +133,13 @@ def _check_improve(improve: object) -> None:
             f"{improve!r}; give true, false, or a finite number of seconds, 0 or more",
             field="improve",
         )
+
+
+class _Callable(ModuleType):
+    """What ``msmrta_opt.planners()`` calls: there the module has the name of its function."""
+
+    def __call__(self) -> dict[str, Planner]:
+        return planners()
+
+
+sys.modules[__name__].__class__ = _Callable

@@ -18,7 +18,7 @@ from ..certify.certificates import STAGE as STAGE_OF_BOUNDS
 from ..interruption import interrupted, interruptible
 from ..mission.errors import InputError
 from ..mission.instance import Instance
-from ..mission.plan import Certificate, Plan, Route, Unserved
+from ..mission.plan import LIMITS, Certificate, Plan, Route, Unserved
 from ..optimise.solve import solve
 from ..routing.bound import Bound
 from ..routing.branch_and_cut.root_proof import root_proof
@@ -45,10 +45,12 @@ from ..stages.scouting import scout_mission
 from ..stages.situation import Situation, Stop
 from . import greedy, ssi
 from .support.improvement import stops_of
-from .support.planner import Planner, Stopwatch
+from .support.planner import SOLVING, WALKING, Planner, Stopwatch
 from .support.record import assemble
 
 STAGE = "exact"
+FIRST_ROUTES = "joint_routing_flow"
+"""The formulation that finds routes to begin with, where limits make that hard."""
 SHARE_OF_SEARCH = 0.1
 """Of the time limit, for local search before the bound is sought."""
 SEARCH_PER_VICTIM = 0.05
@@ -203,7 +205,7 @@ def _first(
 
 def _by_model(data: RoutingData, seconds: float) -> Routes:
     """Routes that keep to the limits, by the explicit model."""
-    solution = solve("joint_routing_flow", data, gap=1.0, time_limit=seconds)
+    solution = solve(FIRST_ROUTES, data, gap=1.0, time_limit=seconds)
     if not solution.found:
         why = "exists" if solution.status == "infeasible" else "was found in time"
         raise InputError(
@@ -275,4 +277,18 @@ def _certificate(
     )
 
 
-PLANNER = Planner("exact", "the joint problem, with a proven bound", run)
+def _formulations(options: Mapping[str, Any]) -> tuple[str, ...]:
+    """The quick planners do not know of limits; routes to begin with may then come of a model."""
+    limited = any(options.get(name) is not None for name in ("endurance", "longest_walk"))
+    return (FIRST_ROUTES,) if limited else ()
+
+
+PLANNER = Planner(
+    "exact",
+    "the joint problem, with a proven bound",
+    run,
+    limits=LIMITS,
+    improves_itself=True,
+    formulations=_formulations,
+    libraries=(*WALKING, *SOLVING, "pyscipopt", "msmrta_opt.routing.combinatorial_bounds"),
+)

@@ -34,7 +34,7 @@ from ..mission.plan import Plan
 from ..stages.k_means import k_means
 from ..stages.situation import Situation, Stop
 from .support.baseline import goals, plan_by, queue_of
-from .support.planner import Planner
+from .support.planner import CLUSTERING, WALKING, Planner
 
 ALPHA = 0.25
 BETA = 0.20
@@ -163,4 +163,9 @@ def _by_search(situation: Situation) -> Distances:
     return lambda start, ends: np.array([len(walk(start, end)) - 1.0 for end in ends])
 
 
-PLANNER = Planner("mrga", "the paper's baseline (MRGA), goal by goal", run)
+PLANNER = Planner(
+    "mrga",
+    "the paper's baseline (MRGA), goal by goal",
+    run,
+    libraries=(*WALKING, *CLUSTERING, "scipy.optimize"),
+)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..mission.instance import Instance
@@ -16,7 +17,7 @@ from ..stages.robot_assignment import robot_assignment
 from ..stages.scouting import scout_mission
 from ..stages.situation import Situation, without
 from ..stages.victim_assignment import victim_assignment
-from .support.planner import Planner, Stopwatch
+from .support.planner import CLUSTERING, SOLVING, WALKING, Planner, Stopwatch
 from .support.record import assemble
 
 
@@ -64,4 +65,18 @@ def run(instance: Instance, *, preset: str = "paper", **changes: Any) -> Plan:
     )
 
 
-PLANNER = Planner("msmrta", "the paper's staged method (MSMRTA)", run)
+def _formulations(options: Mapping[str, Any]) -> Iterator[str]:
+    chosen = StagedOptions.of(**options)
+    names = (chosen.clustering_model, chosen.cluster_model, chosen.victim_model)
+    return (name for name in names if name is not None)
+
+
+PLANNER = Planner(
+    "msmrta",
+    "the paper's staged method (MSMRTA)",
+    run,
+    defaults={"preset": "paper", **StagedOptions().as_dict()},
+    check=lambda options: StagedOptions.of(**options),
+    formulations=_formulations,
+    libraries=(*WALKING, *CLUSTERING, *SOLVING),
+)

@@ -13,9 +13,9 @@ from ..mission.errors import InputError, ModelError
 from ..mission.instance import Instance
 from ..optimise import registry, solvers
 from ..optimise.solve import AUTO
-from ..planners import check_options
+from ..planners import check_options, planners
 from ..planners.support.planner import versions
-from ..stages.options import PRESETS, StagedOptions
+from ..stages.options import StagedOptions
 from .compare import Case, cases, read_instances
 from .generated import generated_instances
 from .record import Record
@@ -24,8 +24,6 @@ from .specification import FormulationTable, InstanceFiles, PlannerTable, Scalar
 STAGED = frozenset(item.name for item in fields(StagedOptions))
 SOLVING = ("solver_seed", "time_limit", "gap")
 """Options of a formulation's table that are its solver's."""
-USING_FORMULATIONS = ("msmrta", "exact")
-"""Planners whose plans depend on formulations of the stages."""
 
 
 @dataclass(frozen=True)
@@ -251,13 +249,7 @@ def _folders() -> tuple[str, ...]:
 
 def _models_of(planner: str, options: Mapping[str, Any]) -> dict[str, str]:
     """The formulations that a planner's plans depend on, with their digests."""
-    if planner not in USING_FORMULATIONS:
-        return {}
-    staged = {k: v for k, v in options.items() if k in STAGED} if planner == "msmrta" else {}
-    preset = str(options.get("preset", next(iter(PRESETS))))
-    chosen = StagedOptions.of(preset, **staged)
-    names = (chosen.clustering_model, chosen.cluster_model, chosen.victim_model)
-    return _sources(name for name in names if name is not None)
+    return _sources(planners()[planner].formulations_of(options))
 
 
 def _sources(names: Iterable[str]) -> dict[str, str]:

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
 import pytest
 
 from msmrta_opt.mission.errors import CheckError, InputError
@@ -83,3 +89,81 @@ def test_a_plan_that_fails_its_check_is_never_returned(
     monkeypatch.setattr("msmrta_opt.planners.planners", lambda: known)
     with pytest.raises(CheckError, match="the plan of 'lazy' fails its check"):
         plan(corridor, planner="lazy")
+
+
+# What a planner declares of itself, so that nobody else has to know it.
+
+
+def test_options_are_those_of_the_call_without_functions_to_call_back() -> None:
+    known = planners()
+    assert known["greedy"].options == {"seed": 0}
+    assert known["msmrta"].options["psi"] == 0.95
+    assert "callbacks" not in known["exact"].options
+    assert [name for name in known if known[name].heeds_objective] == ["exact"]
+    assert [name for name in known if known[name].improves_itself] == ["exact"]
+
+
+@pytest.mark.parametrize(
+    ("planner", "options", "names"),
+    [
+        ("msmrta", {}, ("cluster_one_to_one", "victim_one_to_one")),
+        (
+            "msmrta",
+            {"clustering_model": "clustering_pmedian", "preset": "authors", "improve": 1},
+            ("clustering_pmedian", "cluster_one_to_one", "victim_one_to_one"),
+        ),
+        ("exact", {}, ()),
+        ("exact", {"return_to_start": True, "endurance": None}, ()),
+        ("exact", {"endurance": 100}, ("joint_routing_flow",)),
+        ("exact", {"longest_walk": 100}, ("joint_routing_flow",)),
+        ("greedy", {}, ()),
+    ],
+)
+def test_a_planner_knows_which_formulations_its_plans_depend_on(
+    planner: str, options: dict[str, Any], names: tuple[str, ...]
+) -> None:
+    assert planners()[planner].formulations_of(options) == names
+
+
+WATCH = """
+import sys
+import msmrta_opt as mo
+from msmrta_opt.planners import planners
+
+mission, planner, options = mo.read(sys.argv[1]), planners()[sys.argv[2]], eval(sys.argv[3])
+planner.load(options)
+before = set(sys.modules)
+planner.run(mission, **options)
+print(sorted(set(sys.modules) - before))
+"""
+
+
+@pytest.mark.parametrize(
+    ("planner", "options"),
+    [
+        ("msmrta", {}),
+        ("msmrta", {"clustering_model": "clustering_pmedian", "pinned_clusters": False}),
+        ("mrga", {"distances": "search"}),
+        ("greedy", {}),
+        ("ssi", {}),
+        ("random", {}),
+        ("exact", {"time_limit": 1}),
+        ("exact", {"time_limit": 1, "objective": "latency"}),
+        ("exact", {"time_limit": 1, "endurance": 600}),
+    ],
+)
+def test_planning_imports_nothing_that_was_not_loaded_before_the_clock(
+    planner: str, options: dict[str, Any], instances_dir: Path
+) -> None:
+    """In a fresh process, on a mission with scouts and walls."""
+    root = str(instances_dir.parent)
+    mission = str(instances_dir / "paper.json")
+    ended = subprocess.run(
+        [sys.executable, "-c", WATCH, mission, planner, repr(options)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": root},
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout == "[]\n"

@@ -1,28 +1,102 @@
-"""What a planner is: a name, options of its own, and one function from an instance to a plan."""
+"""What a planner is: a name, one function from an instance to a plan, and what it declares of itself."""
 
 from __future__ import annotations
 
+import importlib
+import inspect
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 from ..._version import __version__
+from ...mission.errors import MsmrtaError
 from ...mission.plan import Plan
+from ...optimise import registry
+from ...optimise.solvers import solvers
 
 RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numpy", "scikit-learn", "scipy")
+WALKING = ("networkx", "scipy.sparse.csgraph")
+CLUSTERING = ("sklearn.cluster", "threadpoolctl")
+SOLVING = (
+    *("cvxpy", "cvxpy.cvxcore.python.cppbackend", "highspy", "scipy.optimize"),
+    "msmrta_opt.optimise.coefficients",
+)
+"""What planners import on first use: to measure and walk, to cluster, to solve programs."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Planner:
-    """A way to plan: ``run(instance, **options)``."""
+    """A way to plan, ``run(instance, **options)``, with all that others need to know about it.
+
+    Parameters
+    ----------
+    name, title : str
+        What it is called, and what it is.
+    run : function
+        From an instance, and options by keyword, to a plan.
+    defaults : dict of str to value, optional
+        Its options; by default the keywords of `run`.
+    check : function of options, optional
+        Raises `InputError` for values that are wrong, before anything is planned.
+    limits : tuple of str
+        Those of `mission.plan.LIMITS` that every robot of its plans keeps over its whole route.
+    improves_itself : bool
+        Whether local search is part of it already.
+    formulations : function from options to names, optional
+        The formulations that its plans depend on, given these options.
+    libraries : tuple of str
+        Modules that it imports on first use, to be loaded before its time is taken.
+    """
 
     name: str
     title: str
-    run: Callable[..., Plan] = field(compare=False, repr=False)
+    run: Callable[..., Plan]
+    defaults: Mapping[str, Any] | None = None
+    check: Callable[[Mapping[str, Any]], object] | None = None
+    limits: tuple[str, ...] = ()
+    improves_itself: bool = False
+    formulations: Callable[[Mapping[str, Any]], Iterable[str]] | None = None
+    libraries: tuple[str, ...] = WALKING
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Its options with their defaults; functions to call back are none of them."""
+        if self.defaults is not None:
+            return dict(self.defaults)
+        given = inspect.signature(self.run).parameters.values()
+        options = {p.name: p.default for p in given if p.kind is p.KEYWORD_ONLY}
+        return {name: default for name, default in options.items() if name != "callbacks"}
+
+    @property
+    def heeds_objective(self) -> bool:
+        """Whether it minimises an objective that it is given."""
+        return "objective" in self.options
+
+    def formulations_of(self, options: Mapping[str, Any]) -> tuple[str, ...]:
+        """The names of the formulations that its plans with these `options` depend on."""
+        if self.formulations is None:
+            return ()
+        takes = self.options
+        return tuple(self.formulations({k: x for k, x in options.items() if k in takes}))
+
+    def load(self, options: Mapping[str, Any]) -> None:
+        """Import what a plan with these `options` needs, so that planning time is planning alone.
+
+        What cannot be loaded is left to the planner, which says so where it misses it.
+        """
+        for module in self.libraries:
+            with suppress(ImportError):
+                importlib.import_module(module)
+        with suppress(MsmrtaError):
+            for name in self.formulations_of(options):
+                solvers()
+                registry.get(name)
+        versions()
 
 
 class Stopwatch:
