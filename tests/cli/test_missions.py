@@ -250,7 +250,7 @@ BAD: list[tuple[list[str], str]] = [
     (["plan", "PAPER", "--planner", "greedy", "--psi", "0.5"], "psi: planner greedy has no such"),
     (["plan", "PAPER", "--cluster-model", "mine"], "no formulation 'mine'"),
     (["plan", "PAPER", "--victim-model", "cluster_printed"], "not a victim one"),
-    (["plan", "PAPER", "--option", "colour=red"], "colour: no such option"),
+    (["plan", "PAPER", "--option", "colour=red"], "colour: planner msmrta has no such option"),
     (["plan", "PAPER", "--option", "colour"], "'colour'; give NAME=VALUE"),
     (["plan", "PAPER", "--option", "=1"], "'=1'; give NAME=VALUE"),
     (["plan", "PAPER", "--option", "walk=[1]"], "give a number, a word, true, false or null"),
