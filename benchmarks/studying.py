@@ -20,6 +20,7 @@ from typing import Any
 
 import psutil
 
+from msmrta_opt.isolation import Limits
 from msmrta_opt.studies.ledger import Ledger
 from msmrta_opt.studies.perform import perform
 from msmrta_opt.studies.runner import run_study
@@ -55,7 +56,7 @@ def ledger_alone(n_runs: int, folder: Path) -> None:
     todo = runs(study)
     made = perform(todo[0])
 
-    def execute(waiting: Iterable[Run]) -> Generator[tuple[Run, Any], None, None]:
+    def execute(waiting: Iterable[Run], _: Limits) -> Generator[tuple[Run, Any], None, None]:
         for run in waiting:
             yield run, replace(made, key=run.key, run=run.run)
 

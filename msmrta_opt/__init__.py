@@ -72,14 +72,14 @@ if TYPE_CHECKING:
     from .stages.data import stage_data as stage_data
     from .stages.options import StagedOptions as StagedOptions
     from .stages.scouting import scouting as scouting
-    from .studies.analysis.pictures import performance_profile as performance_profile
-    from .studies.analysis.pictures import staging_losses as staging_losses
+    from .studies.analysis.agreement import disagreements as disagreements
     from .studies.analysis.score import score as score
     from .studies.analysis.staging import price_of_staging as price_of_staging
+    from .studies.analysis.staging_picture import staging_losses as staging_losses
+    from .studies.analysis.times import performance_profile as performance_profile
     from .studies.analysis.tradeoff import tradeoff as tradeoff
     from .studies.analysis.tradeoff import tradeoff_regions as tradeoff_regions
-    from .studies.compare import comparison as compare  # noqa: F401
-    from .studies.rows import disagreements as disagreements
+    from .studies.comparison import comparison as compare  # noqa: F401
 
 
 def read(path: str) -> Instance:

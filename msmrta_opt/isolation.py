@@ -14,10 +14,12 @@ import signal
 import sys
 import threading
 import time
-import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor
+from concurrent.futures import wait as wait_for
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
+from itertools import islice
 from multiprocessing.connection import Connection, wait
 from types import ModuleType
 from typing import Any, Literal
@@ -225,8 +227,6 @@ def run_isolated(
     InputError
         If `jobs` is not positive.
     """
-    from joblib import Parallel, delayed
-
     _check_positive(jobs=jobs)
     stop = threading.Event()
 
@@ -234,24 +234,21 @@ def run_isolated(
         found = run_alone(function, call, limits=limits, preload=preload, should_stop=stop.is_set)
         return index, found
 
-    # joblib hands the calls out; each of its threads only watches over the process of its call.
-    parallel = Parallel(
-        n_jobs=jobs,
-        backend="threading",
-        batch_size=1,
-        pre_dispatch=jobs,
-        return_as="generator_unordered",
-    )
-    results = parallel(delayed(watched)(index, call) for index, call in enumerate(calls))
-    try:
-        for result in results:  # noqa: UP028 - closing must not reach joblib before it sets `stop`
-            yield result
-    finally:
-        stop.set()
-        with warnings.catch_warnings():
-            # That runs were cancelled is what closing asked for.
-            warnings.simplefilter("ignore")
-            results.close()
+    # Each thread only watches over the process of its call.
+    with ThreadPoolExecutor(jobs) as threads:
+        going: set[Future[tuple[int, Any]]] = set()
+        waiting = enumerate(calls)
+        try:
+            while True:
+                more = islice(waiting, jobs - len(going))
+                going |= {threads.submit(watched, index, call) for index, call in more}
+                if not going:
+                    return
+                finished, going = wait_for(going, return_when=FIRST_COMPLETED)
+                for future in finished:
+                    yield future.result()
+        finally:
+            stop.set()
 
 
 def _check_positive(**values: float | None) -> None:

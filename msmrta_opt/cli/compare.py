@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..mission.instance import Instance
     from ..stages.options import StagedOptions
     from ..studies.analysis.score import Score
-    from ..studies.rows import Row
+    from ..studies.record import Record
 
 
 def register(app: typer.Typer) -> None:
@@ -63,9 +63,10 @@ def compare(
     from tqdm import tqdm
 
     from ..stages.options import StagedOptions
-    from ..studies import compare as study
+    from ..studies import comparison as study
+    from ..studies.analysis.agreement import disagreements
     from ..studies.analysis.regression import changes, read_baseline, save_baseline
-    from ..studies.rows import disagreements
+    from ..studies.missions import read_instances
     from .console import console
     from .outputs import check_outputs, check_parquet
 
@@ -75,7 +76,7 @@ def compare(
     baseline = None if against is None else read_baseline(against)
     names = _names(models, stage)
     options = StagedOptions.of(psi=psi, beta=beta)
-    missions = study.read_instances(instances)
+    missions = read_instances(instances)
     todo = study.cases(
         missions,
         stage=stage,
@@ -87,7 +88,7 @@ def compare(
         gap=gap,
         structure=structure,
     )
-    rows: list[Row] = []
+    rows: list[Record] = []
     measured: list[Score] = []
     interrupted = False
     try:
@@ -99,15 +100,14 @@ def compare(
             measured = _scores(missions, stage, rows, options, time_limit, memory_limit)
     except KeyboardInterrupt:
         interrupted = True
-    order = {case.key: i for i, case in enumerate(todo)}
-    rows.sort(key=lambda row: order[row.key])
+    rows = study.in_order(todo, rows)
     _show(rows, measured)
     _write(rows, csv, parquet, json)
     if figure is not None:
         from matplotlib.figure import Figure as Drawing
 
         from ..plots import save_figure
-        from ..studies.analysis.pictures import performance_profile
+        from ..studies.analysis.times import performance_profile
 
         drawing = Drawing(figsize=(7.5, 4.8), layout="constrained")
         performance_profile(rows, ax=drawing.subplots())
@@ -127,8 +127,8 @@ def compare(
         if not different:
             console().print(f"nothing has changed against {against}")
         failed += different
-    silent = [row for row in rows if row.status in ("error", "skipped")]
-    wrong = [row for row in rows if row.check not in ("", "passed")]
+    silent = [row for row in rows if row.verdict in ("error", "skipped")]
+    wrong = [row for row in rows if row.check not in (None, "", "passed")]
     if silent:
         console().print(f"{len(silent)} of {len(rows)} solves gave no answer", style="yellow")
     if wrong:
@@ -194,14 +194,16 @@ def _names(entries: list[str] | None, stage: str) -> list[str]:
 def _scores(
     missions: list[Instance],
     stage: str,
-    rows: list[Row],
+    rows: list[Record],
     options: StagedOptions,
     time: float,
     memory: float,
 ) -> list[Score]:
     from ..studies.analysis.score import scores
 
-    sound = list(dict.fromkeys(row.model for row in rows if row.status in ("optimal", "feasible")))
+    sound = list(
+        dict.fromkeys(row.model or "" for row in rows if row.verdict in ("optimal", "feasible"))
+    )
     return list(
         scores(
             missions,
@@ -214,8 +216,9 @@ def _scores(
     )
 
 
-def _show(rows: Sequence[Row], measured: Sequence[Score]) -> None:
-    from ..studies.rows import shifted_geometric_means
+def _show(rows: Sequence[Record], measured: Sequence[Score]) -> None:
+    from ..mission.metrics import metrics_of
+    from ..studies.analysis.times import shifted_geometric_means
     from .console import table
 
     table(
@@ -229,19 +232,18 @@ def _show(rows: Sequence[Row], measured: Sequence[Score]) -> None:
                 row.instance,
                 row.model,
                 row.solver,
-                row.seed,
-                row.status,
+                row.solver_seed,
+                row.verdict,
                 row.objective,
                 row.bound,
                 row.gap,
                 row.check,
-                _milliseconds(row.canonicalise_seconds),
-                _milliseconds(row.solve_seconds),
-                _milliseconds(row.total_seconds),
+                *(_milliseconds(row.stage_seconds.get(s)) for s in ("canonicalise", "solve")),
+                _milliseconds(row.seconds),
                 row.nodes,
                 row.n_variables,
                 row.n_rows,
-                row.message if row.status not in ("optimal",) else "",
+                row.reason if row.verdict != "optimal" else "",
             )
             for row in rows
         ],
@@ -254,12 +256,14 @@ def _show(rows: Sequence[Row], measured: Sequence[Score]) -> None:
             for (model, solver), (mean, solved, tried) in shifted_geometric_means(rows).items()
         ],
     )
+    metrics = metrics_of("plans")
     if measured:
         table(
             "What each formulation does for the mission (the staged plan that comes of it)",
             [
                 *("instance", "model", "Eq. 1", "Eq. 2", "B2", "B3", "B4"),
-                *("cells", "makespan", "total time", "mean completion", "message"),
+                *(metric.heading for metric in metrics),
+                "message",
             ],
             [
                 (
@@ -270,10 +274,7 @@ def _show(rows: Sequence[Row], measured: Sequence[Score]) -> None:
                     item.served_in_b2,
                     item.served_in_b3,
                     item.served_in_b4,
-                    item.distance,
-                    item.makespan,
-                    item.total_time,
-                    item.mean_completion,
+                    *(item.metrics and metric.of(item.metrics) for metric in metrics),
                     item.message,
                 )
                 for item in measured
@@ -285,14 +286,16 @@ def _milliseconds(value: float | None) -> str:
     return "" if value is None or value != value else f"{value * 1e3:.1f}"
 
 
-def _write(rows: Sequence[Row], csv: Path | None, parquet: Path | None, json: Path | None) -> None:
+def _write(
+    rows: Sequence[Record], csv: Path | None, parquet: Path | None, json: Path | None
+) -> None:
     import json as json_module
 
     from ..mission.files import write_text
-    from ..studies.rows import as_documents, frame
+    from ..studies.solves import documents_of, table_of
     from .outputs import write_table
 
     if csv is not None or parquet is not None:
-        write_table(frame(rows), csv, parquet)
+        write_table(table_of(rows), csv, parquet)
     if json is not None:
-        write_text(json, json_module.dumps(as_documents(rows), indent=1) + "\n")
+        write_text(json, json_module.dumps(documents_of(rows), indent=1) + "\n")

@@ -26,6 +26,7 @@ def compare_plans(
     """Compare planners on instances, each beside a proven bound, and price the staged method."""
     from ..mission.errors import InputError
     from ..mission.instance import Instance
+    from ..mission.metrics import metrics_of
     from ..planners import plan as make_plan
     from ..studies.analysis.staging import candidates, price_of_staging
     from .console import table
@@ -35,7 +36,7 @@ def compare_plans(
     if not seconds >= 0:
         raise InputError(f"{seconds!r}; give 0 or more", field="--seconds")
     check_outputs(figure=figure, inputs=instances)
-    priced = {}
+    metrics, priced = metrics_of("plans"), {}
     for mission in [Instance.read(path) for path in instances]:
         rows = [
             (
@@ -43,16 +44,11 @@ def compare_plans(
                 item.value,
                 f"{item.value / item.bound:.3f}×" if item.bound else "–",
                 f"{item.gap:.2%}",
-                item.metrics.n_served,
-                item.metrics.distance,
-                item.metrics.total_time,
-                item.metrics.makespan,
-                item.metrics.mean_completion,
+                *(metric.of(item.metrics) for metric in metrics),
             )
             for item in candidates(mission, objective, seconds=seconds, seed=seed or 0)
         ]
-        columns = ["plan", objective, "to its bound", "open", "served", "cells"]
-        columns += ["total time", "makespan", "mean completion"]
+        columns = ["plan", objective, "to its bound", "open", *(m.heading for m in metrics)]
         table(f"{mission.name}: plans by {objective}", columns, rows)
         staged = make_plan(mission, seed=seed or 0)
         losses = price_of_staging(staged, objective, seconds=seconds / 4, seed=seed or 0)
@@ -66,7 +62,7 @@ def compare_plans(
         from matplotlib.figure import Figure as Drawing
 
         from ..plots import save_figure
-        from ..studies.analysis.pictures import staging_losses
+        from ..studies.analysis.staging_picture import staging_losses
 
         drawing = Drawing(figsize=(9, 1.8 + 0.6 * len(priced)), layout="constrained")
         staging_losses(priced, objective, ax=drawing.subplots())

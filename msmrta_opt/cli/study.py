@@ -55,7 +55,7 @@ def run(
     if dask is not None:
         from ..studies.cluster import on_cluster
 
-        execute = on_cluster(asked, dask)
+        execute = on_cluster(dask)
     with Ledger(asked.ledger) as ledger:
         n_open = len(pending(asked, todo, ledger, retry=retry))
         say(f"{len(todo)} runs, {len(todo) - n_open} of them done before; ledger {asked.ledger}")
@@ -84,8 +84,8 @@ def status(study: StudyFile) -> None:
     from .console import say
 
     asked = Study.read(study)
-    todo = runs(asked)
-    with Ledger(asked.ledger, create=False) as ledger:
+    with Ledger(asked.ledger, read_only=True) as ledger:
+        todo = runs(asked, ledger.missions())
         known = {record.key: record for record in ledger.records()}
     _show_status(todo, known)
     others = len(known) - sum(run.key in known for run in todo)
@@ -144,8 +144,8 @@ def _read(study: Path) -> tuple[Study, list[Run], list[Record]]:
     from ..studies.specification import Study
 
     asked = Study.read(study)
-    todo = runs(asked)
-    with Ledger(asked.ledger, create=False) as ledger:
+    with Ledger(asked.ledger, read_only=True) as ledger:
+        todo = runs(asked, ledger.missions())
         return asked, todo, current(todo, ledger.records())
 
 

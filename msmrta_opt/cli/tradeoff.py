@@ -11,6 +11,7 @@ import typer
 from .missions import Figure, InstanceFile, Seed
 
 if TYPE_CHECKING:
+    from ..mission.metrics import Metrics
     from ..studies.analysis.tradeoff import Regions, Tradeoff
 
 
@@ -73,11 +74,7 @@ def _segment_rows(result: Tradeoff) -> list[dict[str, object]]:
             "at 1": _short(segment.objectives[1]),
             "robots take": ", ".join(name or "∅" for name in result.named(segment.assignment)),
             "optimum": "unique" if segment.unique else "one of several",
-            "served": segment.metrics.n_served,
-            "cells": segment.metrics.distance,
-            "makespan": segment.metrics.makespan,
-            "total time": segment.metrics.total_time,
-            "mean completion": segment.metrics.mean_completion,
+            **_figures(segment.metrics),
         }
         for segment in result.segments
     ]
@@ -91,14 +88,16 @@ def _region_rows(regions: Regions) -> list[dict[str, object]]:
             "beta": f"{_short(region.beta[0])} … {_short(region.beta[1])}",
             "plan": number[region.plan.routes],
             "optimum": "unique" if region.unique else "one of several",
-            "served": region.plan.metrics.n_served,
-            "cells": region.plan.metrics.distance,
-            "makespan": region.plan.metrics.makespan,
-            "total time": region.plan.metrics.total_time,
-            "mean completion": region.plan.metrics.mean_completion,
+            **_figures(region.plan.metrics),
         }
         for region in regions.regions
     ]
+
+
+def _figures(metrics: Metrics) -> dict[str, object]:
+    from ..mission.metrics import metrics_of
+
+    return {metric.heading: metric.of(metrics) for metric in metrics_of("plans")}
 
 
 def _show_segments(result: Tradeoff, rows: list[dict[str, object]]) -> None:

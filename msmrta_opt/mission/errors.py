@@ -49,6 +49,10 @@ class SolverError(MsmrtaError):
     """A solver is missing, was asked for something it cannot do, or failed."""
 
 
+class UnsupportedError(SolverError):
+    """A solver was asked for an option, or given a program, that it cannot do."""
+
+
 class CheckError(MsmrtaError):
     """A solution or a plan failed its independent check, so it is not shown as a result."""
 

@@ -68,7 +68,7 @@ def first_problem(error: ValidationError) -> InputError:
     field = at(*loc)
     cause = context.get("error")
     if isinstance(cause, InputError):
-        return _said_of(field, cause)
+        return said_of(field, cause)
     if kind == "value_error":
         return InputError(str(cause), field=field)
     if kind == "missing":
@@ -80,7 +80,7 @@ def first_problem(error: ValidationError) -> InputError:
     return InputError(f"{shown(found['input'])}; {right}", field=field)
 
 
-def _said_of(field: str, cause: InputError) -> InputError:
+def said_of(field: str, cause: InputError) -> InputError:
     """`cause`, met while reading `field`."""
     if cause.file:
         # Another file is at fault: lead to it through the field that names it.

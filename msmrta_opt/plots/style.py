@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib.colors import to_rgb
 
@@ -80,6 +82,16 @@ def robot_colour(index: int) -> str:
     dashes, hatches and the robots' numbers tell repeats apart.
     """
     return robot_style(index).colour
+
+
+def line_styles(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """For each of those who are compared its colour, line and marker, as `Axes.plot` takes them."""
+    found = {}
+    for index, name in enumerate(names):
+        look = robot_style(index)
+        marker = SHAPES[index % len(SHAPES)]
+        found[name] = {"color": look.colour, "linestyle": look.line, "marker": marker}
+    return found
 
 
 def robot_styles(instance: Instance) -> dict[int, RobotStyle]:

@@ -15,16 +15,15 @@ from typing import Any
 from ..isolation import Failure, Limits, run_alone
 from ..mission.errors import InputError
 from .perform import perform
-from .runner import PRELOAD, Execute, limits_of
+from .runner import Execute, preload
 from .runs import Run
-from .specification import Study
 
 CONNECT_SECONDS = 10.0
 RUNS_PER_THREAD = 2
 """Runs that wait at the scheduler or run, per thread of the cluster, so that no worker idles."""
 
 
-def on_cluster(study: Study, address: str) -> Execute:
+def on_cluster(address: str) -> Execute:
     """Do runs on the cluster of the scheduler at `address`, such as ``tcp://host:8786``.
 
     Raises
@@ -36,8 +35,7 @@ def on_cluster(study: Study, address: str) -> Execute:
         raise InputError("needs Dask; pip install 'msmrta_opt[dask]'", field="--dask")
     from distributed import Client, as_completed
 
-    def execute(todo: Iterable[Run]) -> Generator[tuple[Run, Any], None, None]:
-        limits = limits_of(study)
+    def execute(todo: Iterable[Run], limits: Limits) -> Generator[tuple[Run, Any], None, None]:
         with _connected(Client, address) as client:
             threads = sum(client.nthreads().values())
             if not threads:
@@ -74,7 +72,7 @@ def _connected(client: Any, address: str) -> Any:
 
 def _work(run: Run, limits: Limits) -> Any:
     """Do `run` on a worker; a `Failure` is a result."""
-    return run_alone(perform, (run,), limits=limits, preload=PRELOAD)
+    return run_alone(perform, (run,), limits=limits, preload=preload())
 
 
 def _result_of(future: Any) -> Any:

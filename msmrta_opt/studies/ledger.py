@@ -2,30 +2,46 @@
 
 Only the coordinator of a study writes. Two coordinators on one ledger share the work: a run is
 claimed before it begins, and the claim of a process that has gone is void.
+
+A field of `Record` that a ledger lacks becomes a column of it when it is next written, and metrics are
+one column, so that no new field or metric makes an old ledger unreadable.
 """
 
 from __future__ import annotations
 
 import platform
+import shutil
 import sqlite3
-import threading
-from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+import tempfile
+import time
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import astuple, fields
+from functools import cache
 from pathlib import Path
-from typing import Any, Self, get_args, get_type_hints
+from typing import Any, Self
 
 import psutil
 
 from ..mission.errors import InputError
-from .record import Record
+from .missions import Known, Mission
+from .record import Record, kinds_of_fields, record_of
 
-LAYOUT = 1
-"""Of the database, in its ``user_version``; a change of columns is a new one."""
+LAYOUT = 2
+"""Of the database, in its ``user_version``; layout 1 had a column for each metric."""
 PATIENCE_SECONDS = 60.0
 """How long a transaction waits for another process's."""
+POLL_SECONDS = 0.1
+"""How often it tries; SQLite's own waiting would let no Ctrl-C through."""
 SQL_TYPES = {str: "TEXT", int: "INTEGER", float: "REAL"}
-COLUMNS = tuple(item.name for item in fields(Record))
+SAID = {
+    sqlite3.SQLITE_BUSY: "is locked by another program; end that and run this again",
+    sqlite3.SQLITE_FULL: "the disk is full; make room and run this again",
+    sqlite3.SQLITE_READONLY: "cannot be written; change its permissions, or those of its folder",
+    sqlite3.SQLITE_CANTOPEN: "cannot be opened; change its permissions, or those of its folder",
+    sqlite3.SQLITE_IOERR: "its disk fails, or is full; make room and run this again",
+}
+"""What to do about SQLite's errors, by code."""
 
 
 class Ledger:
@@ -35,51 +51,27 @@ class Ledger:
     ----------
     path : path
         The database; made when there is none.
-    create : bool
-        Whether a missing one may be made.
+    read_only : bool
+        Only read it, so that it may be where nothing can be written; it must be there.
 
     Raises
     ------
     InputError
-        If the file is not a ledger, is of another layout, is missing, or cannot be opened.
+        If the file is not a ledger, is of a later layout, is missing, damaged or locked, or cannot be
+        opened; methods likewise. What was kept before stays.
     """
 
-    def __init__(self, path: str | Path, *, create: bool = True) -> None:
+    def __init__(self, path: str | Path, *, read_only: bool = False) -> None:
         self.path = Path(path)
-        if not create and not self.path.exists():
+        self._copy: tempfile.TemporaryDirectory[str] | None = None
+        if read_only and not self.path.exists():
             raise InputError("no ledger yet; run the study first", file=path)
-        try:
-            self._database = sqlite3.connect(
-                self.path,
-                timeout=PATIENCE_SECONDS,
-                isolation_level=None,
-                check_same_thread=False,
-            )
-            self._lock = threading.RLock()
-            self._open()
-        except sqlite3.Error as error:
-            raise InputError(f"not a ledger that can be used ({error})", file=path) from None
-        me = psutil.Process()
-        self._owner = (platform.node(), me.pid, me.create_time())
-
-    def _open(self) -> None:
-        database = self._database
-        # A write-ahead log survives a killed process whole; only a power cut can lose the last
-        # transactions, and such runs are done again.
-        database.execute("PRAGMA journal_mode = WAL")
-        database.execute("PRAGMA synchronous = NORMAL")
-        with self._transaction():
-            (layout,) = database.execute("PRAGMA user_version").fetchone()
-            if layout == 0 and not database.execute("SELECT 1 FROM sqlite_master").fetchone():
-                database.execute(f"CREATE TABLE runs ({_columns()}) WITHOUT ROWID")
-                database.execute("CREATE INDEX by_run ON runs (run)")
-                database.execute(
-                    "CREATE TABLE claims"
-                    " (key TEXT PRIMARY KEY, host TEXT, process INTEGER, born REAL) WITHOUT ROWID"
-                )
-                database.execute(f"PRAGMA user_version = {LAYOUT}")
-            elif layout != LAYOUT:
-                raise sqlite3.DatabaseError(f"layout {layout}, where this version has {LAYOUT}")
+        self._read_only = read_only
+        self._owner = _identity(psutil.Process())
+        with self._explained():
+            self._database = self._opened_to_read() if read_only else _connected(self.path)
+            if not read_only:
+                self._prepare()
 
     def __enter__(self) -> Self:
         return self
@@ -89,21 +81,27 @@ class Ledger:
 
     def close(self) -> None:
         """Give back what is claimed, and close the file."""
-        with self._transaction():
-            self._database.execute(
-                "DELETE FROM claims WHERE host = ? AND process = ? AND born = ?", self._owner
-            )
-        self._database.close()
+        try:
+            if not self._read_only:
+                # A claim that cannot be given back ends with this process.
+                with suppress(InputError), self._transaction():
+                    self._execute(
+                        "DELETE FROM claims WHERE host = ? AND process = ? AND born = ?",
+                        self._owner,
+                    )
+        finally:
+            self._database.close()
+            if self._copy is not None:
+                self._copy.cleanup()
 
     def add(self, record: Record) -> None:
         """Keep a finished run, for good; one of the same key is replaced only if it had failed."""
-        marks = ", ".join("?" for _ in COLUMNS)
+        columns = [item.name for item in fields(Record)]
+        names, marks = ", ".join(f'"{name}"' for name in columns), ", ".join("?" for _ in columns)
         with self._transaction():
-            self._database.execute(
-                "DELETE FROM runs WHERE key = ? AND outcome != 'finished'", (record.key,)
-            )
-            self._database.execute(f"INSERT OR IGNORE INTO runs VALUES ({marks})", astuple(record))
-            self._database.execute("DELETE FROM claims WHERE key = ?", (record.key,))
+            self._execute("DELETE FROM runs WHERE key = ? AND outcome != 'finished'", (record.key,))
+            self._execute(f"INSERT OR IGNORE INTO runs ({names}) VALUES ({marks})", astuple(record))
+            self._execute("DELETE FROM claims WHERE key = ?", (record.key,))
 
     def claim(self, key: str, *, redo: bool = False) -> bool:
         """Whether the run of `key` is now this process's to do.
@@ -111,22 +109,20 @@ class Ledger:
         It is not when it has been done, unless `redo`, or while another living process has it.
         """
         with self._transaction():
-            done = self._database.execute("SELECT 1 FROM runs WHERE key = ?", (key,)).fetchone()
-            if done and not redo:
+            if not redo and self._execute("SELECT 1 FROM runs WHERE key = ?", (key,)).fetchone():
                 return False
-            held = self._database.execute(
+            held = self._execute(
                 "SELECT host, process, born FROM claims WHERE key = ?", (key,)
             ).fetchone()
-            if held and held != self._owner and _lives(*held):
+            if held and tuple(held) != self._owner and _lives(*held):
                 return False
-            self._database.execute(
-                "INSERT OR REPLACE INTO claims VALUES (?, ?, ?, ?)", (key, *self._owner)
-            )
+            self._execute("INSERT OR REPLACE INTO claims VALUES (?, ?, ?, ?)", (key, *self._owner))
             return True
 
     def claimed_elsewhere(self, keys: Collection[str]) -> set[str]:
         """Those of `keys` that another living process is at."""
-        claims = self._database.execute("SELECT key, host, process, born FROM claims").fetchall()
+        with self._explained():
+            claims = self._execute("SELECT key, host, process, born FROM claims").fetchall()
         wanted = set(keys)
         return {
             key
@@ -136,38 +132,189 @@ class Ledger:
 
     def records(self) -> Iterator[Record]:
         """All runs, in the order of their keys."""
-        for row in self._database.execute("SELECT * FROM runs ORDER BY key"):
-            yield Record(*row)
+        with self._explained():
+            for row in self._execute("SELECT * FROM runs ORDER BY key"):
+                yield self._record(row)
 
     def get(self, key: str) -> Record | None:
         """The run of `key`, if it is there."""
-        row = self._database.execute("SELECT * FROM runs WHERE key = ?", (key,)).fetchone()
-        return None if row is None else Record(*row)
+        with self._explained():
+            row = self._execute("SELECT * FROM runs WHERE key = ?", (key,)).fetchone()
+            return None if row is None else self._record(row)
+
+    def missions(self) -> Known:
+        """The missions that were made for the study, by recipe."""
+        with self._explained():
+            if not self._columns("missions"):
+                return {}
+            rows = self._execute("SELECT recipe, name, digest FROM missions")
+            return {recipe: (name, digest) for recipe, name, digest in rows}
+
+    def keep_missions(self, missions: Iterable[Mission]) -> None:
+        """Remember what missions are called, so that to look at the study makes none of them anew."""
+        rows = {m.recipe: (m.recipe, m.name, m.digest) for m in missions if m.recipe}
+        with self._transaction():
+            self._database.executemany(
+                "INSERT OR REPLACE INTO missions VALUES (?, ?, ?)", rows.values()
+            )
+
+    def _execute(self, command: str, values: tuple[Any, ...] = ()) -> sqlite3.Cursor:
+        return _patiently(lambda: self._database.execute(command, values))
+
+    def _columns(self, table: str) -> set[str]:
+        return {name for _, name, *_ in self._execute(f"PRAGMA table_info({table})")}
+
+    def _record(self, row: sqlite3.Row) -> Record:
+        try:
+            return record_of(dict(row))
+        except InputError as error:
+            raise InputError(f"damaged: run {row['key']!r}: {error}", file=self.path) from None
+
+    def _layout(self) -> int:
+        """The layout, 0 of an empty file."""
+        layout = int(self._execute("PRAGMA user_version").fetchone()[0])
+        is_empty = not self._execute("SELECT 1 FROM sqlite_master").fetchone()
+        if layout > LAYOUT or (layout == 0 and not is_empty):
+            raise InputError(
+                f"not a ledger that can be used: layout {layout}, where this version has {LAYOUT}",
+                file=self.path,
+            )
+        return layout
+
+    def _prepare(self) -> None:
+        """Make the tables, or add what a ledger of before lacks."""
+        # A write-ahead log survives a killed process whole; only a power cut can lose the last
+        # transactions, and such runs are done again.
+        self._layout()  # before anything is changed
+        self._execute("PRAGMA journal_mode = WAL")
+        self._execute("PRAGMA synchronous = NORMAL")
+        with self._transaction():
+            if not self._layout():
+                self._execute(
+                    f"CREATE TABLE runs ({', '.join(_definitions().values())}) WITHOUT ROWID"
+                )
+                self._execute("CREATE INDEX by_run ON runs (run)")
+                self._execute(
+                    "CREATE TABLE claims"
+                    " (key TEXT PRIMARY KEY, host TEXT, process INTEGER, born REAL) WITHOUT ROWID"
+                )
+            there = self._columns("runs")
+            for name, definition in _definitions().items():
+                if name not in there:
+                    self._execute(f"ALTER TABLE runs ADD COLUMN {definition}")
+            self._execute(
+                "CREATE TABLE IF NOT EXISTS missions"
+                " (recipe TEXT PRIMARY KEY, name TEXT NOT NULL, digest TEXT NOT NULL) WITHOUT ROWID"
+            )
+            self._execute(f"PRAGMA user_version = {LAYOUT}")
+
+    def _opened_to_read(self) -> sqlite3.Connection:
+        """The database, or a copy of it where SQLite would have to write beside it to read it."""
+        database = _connected(self.path, "?mode=rw")
+        try:
+            self._database = database
+            self._layout()
+            return database
+        except sqlite3.OperationalError as error:
+            database.close()
+            if _code(error) not in (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN):
+                raise
+        self._copy = tempfile.TemporaryDirectory()
+        copy = Path(self._copy.name) / "ledger.sqlite"
+        shutil.copyfile(self.path, copy)
+        log = self.path.with_name(f"{self.path.name}-wal")
+        if log.exists():
+            shutil.copyfile(log, copy.with_name("ledger.sqlite-wal"))
+        self._database = _connected(copy)
+        self._layout()
+        return self._database
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
-        # Runs may be claimed in one thread while another keeps a result.
-        with self._lock:
-            self._database.execute("BEGIN IMMEDIATE")
+        with self._explained():
+            self._execute("BEGIN IMMEDIATE")
             try:
                 yield
+                self._execute("COMMIT")
             except BaseException:
-                self._database.execute("ROLLBACK")
+                if self._database.in_transaction:
+                    self._database.execute("ROLLBACK")
                 raise
-            self._database.execute("COMMIT")
+
+    @contextmanager
+    def _explained(self) -> Iterator[None]:
+        """Say of this file what SQLite finds wrong with it."""
+        try:
+            yield
+        except sqlite3.Error as error:
+            known = SAID.get(_code(error), f"not a ledger that can be used ({error})")
+            raise InputError(known, file=self.path) from None
+        except OSError as error:
+            raise InputError(f"cannot be read ({error.strerror})", file=self.path) from None
 
 
-def _columns() -> str:
+def _connected(path: Path, mode: str = "") -> sqlite3.Connection:
+    database = sqlite3.connect(
+        path.absolute().as_uri() + mode, uri=True, timeout=0, isolation_level=None
+    )
+    database.row_factory = sqlite3.Row
+    return database
+
+
+def _patiently(ask: Callable[[], sqlite3.Cursor]) -> sqlite3.Cursor:
+    """Ask until nobody else holds the lock."""
+    began = time.monotonic()
+    while True:
+        try:
+            return ask()
+        except sqlite3.OperationalError as error:
+            if _code(error) != sqlite3.SQLITE_BUSY or time.monotonic() - began > PATIENCE_SECONDS:
+                raise
+        time.sleep(POLL_SECONDS)
+
+
+def _code(error: sqlite3.Error) -> int:
+    """SQLite's primary code of an error, 0 if it is the module's own."""
+    return int(getattr(error, "sqlite_errorcode", 0)) & 0xFF
+
+
+@cache
+def _definitions() -> dict[str, str]:
     """The columns of the table of runs: the fields of `Record`."""
-    hints = get_type_hints(Record)
-    parts = []
-    for name in COLUMNS:
-        kinds: tuple[Any, ...] = get_args(hints[name]) or (hints[name],)
-        nullable = type(None) in kinds
+    found = {}
+    for item in fields(Record):
+        kinds = kinds_of_fields()[item.name]
         (kind,) = (SQL_TYPES[kind] for kind in kinds if kind in SQL_TYPES)
-        parts.append(f'"{name}" {kind}' + ("" if nullable else " NOT NULL"))
-    parts[0] += " PRIMARY KEY"
-    return ", ".join(parts)
+        found[item.name] = f'"{item.name}" {kind}'
+        if type(None) not in kinds:
+            default = item.default if isinstance(item.default, int) else f"'{item.default}'"
+            given = f" DEFAULT {default}" if isinstance(item.default, (int, str)) else ""
+            found[item.name] += f" NOT NULL{given}"
+    found["key"] += " PRIMARY KEY"
+    return found
+
+
+def _identity(process: psutil.Process) -> tuple[str, int, float]:
+    """What tells a process from all others: machine, id, and when it was born."""
+    return _host(), process.pid, _born(process)
+
+
+@cache
+def _host() -> str:
+    """The machine, since it was started."""
+    with suppress(OSError):
+        boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
+        return f"{platform.node()} {boot}"
+    return platform.node()
+
+
+def _born(process: psutil.Process) -> float:
+    """When a process was born, by a clock that nobody sets: on Linux in ticks since the start."""
+    with suppress(OSError):
+        # The name, in brackets, may hold anything; the 22nd field is the 20th after it.
+        stat = Path(f"/proc/{process.pid}/stat").read_text(encoding="utf-8", errors="replace")
+        return float(stat.rpartition(")")[2].split()[19])
+    return float(process.create_time())
 
 
 def _lives(host: str, process: int, born: float) -> bool:
@@ -175,10 +322,10 @@ def _lives(host: str, process: int, born: float) -> bool:
 
     A write-ahead log is shared within one machine only: a claim of another came with a copied file.
     """
-    if host != platform.node():
+    if host != _host():
         return False
     try:
         found = psutil.Process(process)
-        return bool(found.create_time() == born and found.status() != psutil.STATUS_ZOMBIE)
+        return _identity(found) == (host, process, born) and found.status() != psutil.STATUS_ZOMBIE
     except psutil.Error:
         return False

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from itertools import product
 from typing import Any
 
 from ..mission.errors import InputError, ModelError
 from ..mission.instance import Instance
+from ..mission.validation import said_of
 from ..optimise import registry, solvers
 from ..optimise.solve import AUTO
 from ..planners import check_options, planners
 from ..planners.support.planner import versions
 from ..stages.options import StagedOptions
-from .compare import Case, cases, read_instances
-from .generated import generated_instances
+from .missions import Known, Mission, digest_of, missions
 from .record import Record
-from .specification import FormulationTable, InstanceFiles, PlannerTable, Scalar, Study, Timing
+from .specification import FormulationTable, PlannerTable, Scalar, Study, Timing
+from .tasks import Planning, Solving, Task, add_folders, folders_of_models, solving_tasks
 
 STAGED = frozenset(item.name for item in fields(StagedOptions))
 SOLVING = ("solver_seed", "time_limit", "gap")
@@ -27,22 +27,12 @@ SOLVING = ("solver_seed", "time_limit", "gap")
 
 
 @dataclass(frozen=True)
-class Planning:
-    """A planner and its options: one way to plan."""
-
-    planner: str
-    options: Mapping[str, Scalar]
-    folders: tuple[str, ...] = ()
-    """Folders of models."""
-
-
-@dataclass(frozen=True)
 class Run:
-    """One run of a study: `task` on `instance`."""
+    """One run: `task` on a mission."""
 
     contender: str
-    instance: Instance
-    task: Planning | Case
+    mission: Mission
+    task: Task
     timing: Timing
     versions: Mapping[str, str]
     run: str
@@ -50,19 +40,34 @@ class Run:
     key: str
     """The same with versions."""
 
+    @property
+    def instance(self) -> Instance:
+        """The mission itself."""
+        return self.mission.instance
+
 
 @dataclass(frozen=True)
-class _Contender:
+class Contender:
+    """Who is run: a task under the name that tables have for it."""
+
     label: str
-    field: str
-    task: Planning | Case
+    task: Task
     what: Mapping[str, Any]
-    """All that determines the result, instance and versions aside."""
+    """All that determines the result, mission and versions aside."""
     versions: Mapping[str, str]
+    field: str = ""
+    """Where the study asks for it."""
 
 
-def runs(study: Study) -> list[Run]:
-    """Every run of `study`, instance by instance, contenders in the order of the file.
+def runs(study: Study, known: Known | None = None) -> list[Run]:
+    """Every run of `study`, mission by mission, contenders in the order of the file.
+
+    Parameters
+    ----------
+    study : Study
+        As read.
+    known : mapping of str to tuple of str, optional
+        Names and digests of missions that need not be made, see `Ledger.missions`.
 
     Raises
     ------
@@ -70,21 +75,19 @@ def runs(study: Study) -> list[Run]:
         Naming the study's file and what in it is wrong; nothing has been run then.
     """
     try:
-        for folder in study.models:
-            registry.add_models(study.path.parent / folder)
-        instances = _instances(study)
-        contenders = [
-            *_planners(study.planners),
-            *_formulations(study.formulations, instances[0][0]),
-        ]
+        add_folders(str(study.path.parent / folder) for folder in study.models)
+        contenders = [*_planners(study.planners), *_formulations(study.formulations)]
         _check_labels(contenders, study.report.baseline)
+        return combined(missions(study, known or {}), contenders, study.timing)
     except InputError as error:
         raise error.within(study.path) from None
-    return [
-        _run(contender, instance, digest, study.timing)
-        for instance, digest in instances
-        for contender in contenders
-    ]
+
+
+def combined(
+    missions: Iterable[Mission], contenders: Sequence[Contender], timing: Timing
+) -> list[Run]:
+    """Every contender on every mission."""
+    return [_run(contender, mission, timing) for mission in missions for contender in contenders]
 
 
 def current(todo: Sequence[Run], records: Iterable[Record]) -> list[Record]:
@@ -100,93 +103,78 @@ def current(todo: Sequence[Run], records: Iterable[Record]) -> list[Record]:
     return [record for record in found if record is not None]
 
 
-def _run(contender: _Contender, instance: Instance, digest: str, timing: Timing) -> Run:
-    what = {**contender.what, "instance": digest, "timing": timing.model_dump()}
-    task = contender.task
+def solving_contender(
+    task: Solving, label: str = "", options: Mapping[str, Any] | None = None, field: str = ""
+) -> Contender:
+    """A formulation and a solver; `options` are those that a study gives."""
+    names = [*planners()["msmrta"].formulations_of(task.options.as_dict()), task.model]
+    used = versions()
+    if task.solver != AUTO:
+        solver = solvers.get(task.solver)
+        used[solver.package] = solver.version
+    what = {
+        "stage": task.stage,
+        "model": task.model,
+        "solver": task.solver,
+        "options": options or {},
+        "models": _sources(names),
+    }
+    return Contender(label or f"{task.model} by {task.solver}", task, what, used, field)
+
+
+def _run(contender: Contender, mission: Mission, timing: Timing) -> Run:
+    what = {**contender.what, "instance": mission.digest, "timing": timing.model_dump()}
     return Run(
         contender=contender.label,
-        instance=instance,
-        task=replace(task, instance=instance) if isinstance(task, Case) else task,
+        mission=mission,
+        task=contender.task,
         timing=timing,
         versions=contender.versions,
-        run=_digest(what),
-        key=_digest({**what, "versions": contender.versions}),
+        run=digest_of(what),
+        key=digest_of({**what, "versions": contender.versions}),
     )
 
 
-def _instances(study: Study) -> list[tuple[Instance, str]]:
-    """All instances with their digests; names tell them apart."""
-    found: dict[str, tuple[Instance, str]] = {}
-    for i, table in enumerate(study.instances):
-        try:
-            several: list[Instance] = (
-                read_instances(study.files(table))
-                if isinstance(table, InstanceFiles)
-                else list(generated_instances(table, folder=study.path.parent))
-            )
-        except InputError as error:
-            raise _at(f"instances[{i}]", error) from None
-        for instance in several:
-            digest = _digest(instance.document())
-            if found.setdefault(instance.name, (instance, digest))[1] != digest:
-                raise InputError(
-                    f"two instances are called {instance.name!r}; names tell rows apart",
-                    field=f"instances[{i}]",
-                )
-    return list(found.values())
-
-
-def _planners(tables: Iterable[PlannerTable]) -> Iterator[_Contender]:
+def _planners(tables: Iterable[PlannerTable]) -> Iterator[Contender]:
     for i, table in enumerate(tables):
         field = f"planners[{i}]"
         try:
             for words, options in _combinations(table.axes()):
                 check_options(table.planner, options)
-                yield _Contender(
+                names = planners()[table.planner].formulations_of(options)
+                yield Contender(
                     label=", ".join([table.name or table.planner, *words]),
-                    field=field,
-                    task=Planning(table.planner, options, _folders()),
+                    task=Planning(table.planner, options, folders_of_models()),
                     what={
                         "planner": table.planner,
                         "options": options,
-                        "models": _models_of(table.planner, options),
+                        "models": _sources(names),
                     },
                     versions=versions(),
+                    field=field,
                 )
         except InputError as error:
-            raise _at(field, error) from None
+            raise said_of(field, error) from None
 
 
-def _formulations(tables: Iterable[FormulationTable], instance: Instance) -> Iterator[_Contender]:
+def _formulations(tables: Iterable[FormulationTable]) -> Iterator[Contender]:
     for i, table in enumerate(tables):
         field = f"formulations[{i}]"
         try:
             for words, options in _combinations(table.axes()):
-                for case in _cases(table, options, instance):
-                    before = _models_of("msmrta", case.options.as_dict())
-                    yield _Contender(
-                        label=", ".join([f"{case.model} by {case.solver}", *words]),
-                        field=field,
-                        task=case,
-                        what={
-                            "stage": case.stage,
-                            "model": case.model,
-                            "solver": case.solver,
-                            "options": options,
-                            "models": before | _sources([case.model]),
-                        },
-                        versions=_versions_with(case.solver),
-                    )
+                for task in _solving(table, options):
+                    label = ", ".join([f"{task.model} by {task.solver}", *words])
+                    yield solving_contender(task, label, options, field)
         except InputError as error:
-            raise _at(field, error) from None
+            raise said_of(field, error) from None
 
 
-def _cases(
-    table: FormulationTable, options: Mapping[str, Any], instance: Instance
-) -> Sequence[Case]:
+def _solving(table: FormulationTable, options: Mapping[str, Any]) -> Sequence[Solving]:
+    for name in SOLVING:
+        if isinstance(options.get(name, 0), (str, bool)):
+            raise InputError(f"{options[name]!r}; give a number", field=name)
     parameters = {k: v for k, v in options.items() if k not in STAGED and k not in SOLVING}
-    found = cases(
-        [instance],
+    found = solving_tasks(
         stage=table.stage,
         models=table.models or (),
         solver_names=table.solvers,
@@ -196,7 +184,7 @@ def _cases(
         time_limit=options.get("time_limit"),
         gap=options.get("gap"),
     )
-    known = {name for case in found for name in _parameters(case.model)}
+    known = {name for task in found for name in _parameters(task.model)}
     for name in parameters:
         if name not in known:
             there = ", ".join(sorted(known | STAGED | set(SOLVING)))
@@ -225,7 +213,7 @@ def _combinations(
         yield [f"{name} = {chosen[name]}" for name in telling], chosen
 
 
-def _check_labels(contenders: Sequence[_Contender], baseline: str | None) -> None:
+def _check_labels(contenders: Sequence[Contender], baseline: str | None) -> None:
     seen: dict[tuple[str, object], str] = {}
     for contender in contenders:
         seed = contender.what["options"].get("seed")
@@ -243,35 +231,6 @@ def _check_labels(contenders: Sequence[_Contender], baseline: str | None) -> Non
         )
 
 
-def _folders() -> tuple[str, ...]:
-    return tuple(str(folder) for folder in registry.folders())
-
-
-def _models_of(planner: str, options: Mapping[str, Any]) -> dict[str, str]:
-    """The formulations that a planner's plans depend on, with their digests."""
-    return _sources(planners()[planner].formulations_of(options))
-
-
 def _sources(names: Iterable[str]) -> dict[str, str]:
     """Formulations' names with the digests of their files: an edited one is another."""
     return {name: hashlib.sha256(registry.path_of(name).read_bytes()).hexdigest() for name in names}
-
-
-def _versions_with(solver: str) -> dict[str, str]:
-    found = versions()
-    if solver != AUTO:
-        known = solvers.get(solver)
-        found[known.package] = known.version
-    return found
-
-
-def _digest(document: object) -> str:
-    text = json.dumps(document, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-def _at(place: str, error: InputError) -> InputError:
-    """`error`, met at `place` of the study."""
-    if error.file:
-        return InputError(str(error), field=place)
-    return InputError(error.problem, field=".".join(p for p in (place, error.field) if p))

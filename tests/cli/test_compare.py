@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import psutil
@@ -17,7 +17,9 @@ import pytest
 from support.misbehaviour import write_models
 
 from msmrta_opt import cli, formulations
-from msmrta_opt.studies import compare as study
+from msmrta_opt.studies import comparison as study
+from msmrta_opt.studies.record import Record
+from msmrta_opt.studies.runs import Run as Solve
 
 Run = Callable[..., int]
 
@@ -136,12 +138,13 @@ def test_a_disagreement_is_shown_and_sets_the_exit_status(
     assert "all answers agree" not in shown
 
 
-def _liar(todo: list[study.Case], **_: object) -> object:
+def _liar(todo: list[Solve], **_: object) -> Iterator[Record]:
     """Solves whose optima are 1 by HiGHS and 2 by others."""
-    for case in todo:
-        value = 1.0 if case.solver == "highs" else 2.0
-        asked = case.instance.name, case.stage, case.model, case.solver, case.seed
-        yield study.Row(*asked, "optimal", "min", value, value, 0.0, "passed")
+    for run in todo:
+        value = 1.0 if run.task.solver == "highs" else 2.0  # type: ignore[union-attr]
+        proved = {"status": "optimal", "sense": "min", "objective": value, "bound": value}
+        asked = {"instance": run.instance.name, "key": run.key, "check": "passed"}
+        yield Record(**run.task.asked(), **asked, **proved)
 
 
 def test_against_its_own_baseline_nothing_has_changed(
@@ -204,7 +207,7 @@ def test_a_broken_baseline_is_one_line_before_any_work(
 ) -> None:
     (tmp_path / "baseline.json").write_text('{"format": "msmrta-comparison/1", "rows": [{}]}')
     assert run("--against", tmp_path / "baseline.json") == 2
-    assert "rows[0].instance: Field required" in capsys.readouterr().err
+    assert "rows[0].instance: is missing" in capsys.readouterr().err
 
 
 def test_parquet_without_pyarrow_says_what_to_install(

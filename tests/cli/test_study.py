@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -56,20 +57,15 @@ def test_a_study_is_run_shown_exported_and_reported(
 def test_status_counts_what_is_open_and_names_what_failed(
     path: Path, msmrta: Callable[..., int], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from dataclasses import fields
-
     from msmrta_opt.studies.ledger import Ledger
 
     study = Study.read(path)
     first, second, _ = runs(study)
-    text = {item.name: "" for item in fields(Record) if item.type == "str"}
-    blank = {**text, "n_robots": 2, "n_victims": 2, "contender": "random"}
+    blank = Record(instance="tiny", contender="random")
     with Ledger(study.ledger) as ledger:
-        ledger.add(
-            Record(**{**blank, "key": first.key, "outcome": "crashed", "error": "of old age"})
-        )
-        ledger.add(Record(**{**blank, "key": second.key, "outcome": "finished"}))
-        ledger.add(Record(**{**blank, "key": "of another time", "outcome": "finished"}))
+        ledger.add(replace(blank, key=first.key, outcome="crashed", error="of old age"))
+        ledger.add(replace(blank, key=second.key))
+        ledger.add(replace(blank, key="of another time"))
     assert msmrta("study", "status", path) == 0
     out = capsys.readouterr().out
     (line,) = [line.split() for line in out.splitlines() if line.split()[:1] == ["random"]][:1]

@@ -94,7 +94,7 @@ def test_a_cluster_gives_the_same_rows_and_a_lost_worker_loses_nothing(
     path = many_runs(tmp_path, 60)
     study = Study.read(path)
     with Ledger(study.ledger) as ledger:
-        results = run_study(study, runs(study), ledger, execute=on_cluster(study, cluster.address))
+        results = run_study(study, runs(study), ledger, execute=on_cluster(cluster.address))
         for n, _ in enumerate(results):
             if n == 10:
                 cluster.processes[-1].kill()
@@ -115,4 +115,4 @@ def test_without_a_scheduler_there_is_one_clear_line(
         Ledger(study.ledger) as ledger,
         pytest.raises(InputError, match=r"--dask: no scheduler at '.*\Z"),
     ):
-        list(run_study(study, runs(study), ledger, execute=on_cluster(study, address)))
+        list(run_study(study, runs(study), ledger, execute=on_cluster(address)))

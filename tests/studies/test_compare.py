@@ -18,28 +18,44 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise import registry, solvers
 from msmrta_opt.stages.options import StagedOptions
-from msmrta_opt.studies import compare as study
-from msmrta_opt.studies.compare import cases, compare, comparison, read_instances, solve_here
-from msmrta_opt.studies.rows import (
-    Row,
-    as_documents,
-    as_rows,
-    disagreements,
-    frame,
-    shifted_geometric_means,
-)
+from msmrta_opt.studies import comparison as study
+from msmrta_opt.studies.analysis.agreement import disagreements
+from msmrta_opt.studies.analysis.times import shifted_geometric_means
+from msmrta_opt.studies.comparison import cases, compare, comparison, solve_here
+from msmrta_opt.studies.missions import read_instances
+from msmrta_opt.studies.record import Record
+from msmrta_opt.studies.runs import Run
+from msmrta_opt.studies.solves import COLUMNS, documents_of, record_of_row, records_of, table_of
+from msmrta_opt.studies.tasks import Solving
 
-ROW = Row("paper", "cluster", "model", "highs", None, "optimal", "min", 5.0, 5.0, 0.0, "passed")
+ROW = {
+    "instance": "paper",
+    "stage": "cluster",
+    "model": "model",
+    "solver": "highs",
+    "status": "optimal",
+    "sense": "min",
+    "objective": 5.0,
+    "bound": 5.0,
+    "gap": 0.0,
+    "check": "passed",
+}
+RECORD = record_of_row(ROW)
 
 
-def row(solver: str, **changes: Any) -> Row:
-    return replace(ROW, solver=solver, **changes)
+def row(solver: str, **changes: Any) -> Record:
+    return record_of_row(ROW | {"solver": solver} | changes)
+
+
+def asked(run: Run) -> tuple[str, str, int | None]:
+    assert isinstance(run.task, Solving)
+    return run.task.model, run.task.solver, run.task.seed
 
 
 @pytest.fixture(scope="module")
 def faults(
     tmp_path_factory: pytest.TempPathFactory, instances_dir: Path
-) -> Iterator[dict[str, Row]]:
+) -> Iterator[dict[str, Record]]:
     """One comparison of all faulty models, by name, under a limit that only one of them meets."""
     finite = [name for name in MODELS if name != "wrong_loop"]
     folder = write_models(tmp_path_factory.mktemp("faults") / "models", *finite)
@@ -52,7 +68,7 @@ def faults(
             models=[*sorted(finite), "cluster_one_to_one"],
             solver_names=["highs"],
         )
-        yield {row.model: row for row in compare(todo, jobs=2, memory_limit=700)}
+        yield {str(row.model): row for row in compare(todo, jobs=2, memory_limit=700)}
 
 
 def test_a_model_that_never_ends_is_killed_after_the_time_limit_and_some_grace(
@@ -63,10 +79,10 @@ def test_a_model_that_never_ends_is_killed_after_the_time_limit_and_some_grace(
     mission = Instance.read(instances_dir / "two_rooms.json")
     names = {"models": ["wrong_loop"], "solver_names": ["highs"]}
     (found,) = compare(cases([mission], stage="cluster", time_limit=0.125, **names))
-    assert (found.status, found.message) == ("error", "timed out: killed after 0.25 s")
+    assert (found.verdict, found.reason) == ("error", "timed out: killed after 0.25 s")
 
 
-def test_each_solve_is_one_row(faults: dict[str, Row]) -> None:
+def test_each_solve_is_one_row(faults: dict[str, Record]) -> None:
     assert {*faults} == {*MODELS, "cluster_one_to_one"} - {"wrong_loop"}
     assert len(faults) == len(MODELS)
 
@@ -85,17 +101,17 @@ def test_each_solve_is_one_row(faults: dict[str, Row]) -> None:
     ],
 )
 def test_a_faulty_model_is_a_row_with_a_clear_status(
-    faults: dict[str, Row], model: str, status: str, message: str
+    faults: dict[str, Record], model: str, status: str, message: str
 ) -> None:
     found = faults[model]
-    assert (found.status, found.objective, found.check) == (status, None, "")
-    assert message in found.message
+    assert (found.verdict, found.objective, found.check or "") == (status, None, "")
+    assert message in found.reason
 
 
 # At most one pair among all; and by hand, the one cluster to the robot that can serve all three.
 @pytest.mark.parametrize(("model", "value"), [("right", 1.0), ("cluster_one_to_one", 3.0)])
 def test_sound_models_among_faulty_ones_are_whole(
-    faults: dict[str, Row], model: str, value: float
+    faults: dict[str, Record], model: str, value: float
 ) -> None:
     found = faults[model]
     assert (found.status, found.check) == ("optimal", "passed")
@@ -110,8 +126,8 @@ def test_a_solver_that_is_not_installed_is_skipped_with_its_remedy(
     monkeypatch.setattr(solvers, "solvers", lambda: {"missing": missing})
     (case,) = cases([paper], stage="cluster", models=["cluster_fair"], solver_names=["missing"])
     found = solve_here(case)
-    assert (found.status, found.message) == ("skipped", f"not installed; {missing.install}")
-    assert found.objective is found.total_seconds is None
+    assert (found.verdict, found.reason) == ("skipped", f"not installed; {missing.install}")
+    assert found.objective is found.seconds is None
 
 
 def test_a_solver_is_skipped_for_what_it_cannot_do(paper: Instance) -> None:
@@ -119,7 +135,7 @@ def test_a_solver_is_skipped_for_what_it_cannot_do(paper: Instance) -> None:
         [paper], stage="cluster", models=["cluster_one_to_one"], solver_names=["lsa"], seeds=[1]
     )
     found = solve_here(todo[0])
-    assert (found.status, found.message) == ("skipped", "solver lsa cannot do seed")
+    assert (found.verdict, found.reason) == ("skipped", "solver lsa cannot do seed")
 
 
 @pytest.mark.parametrize(
@@ -143,7 +159,7 @@ def test_what_cannot_be_compared_is_refused_at_once(
 def test_cases_are_every_combination_once_and_in_order(paper: Instance) -> None:
     models, names = ["cluster_fair", "cluster_printed", "cluster_fair"], ["scip", "highs"]
     todo = cases([paper], stage="cluster", models=models, solver_names=names, seeds=[2, 1])
-    assert [(case.model, case.solver, case.seed) for case in todo] == [
+    assert [asked(run) for run in todo] == [
         (model, solver, seed)
         for model in ("cluster_fair", "cluster_printed")
         for solver in ("scip", "highs")
@@ -154,7 +170,7 @@ def test_cases_are_every_combination_once_and_in_order(paper: Instance) -> None:
 def test_by_default_every_installed_solver_is_compared(paper: Instance) -> None:
     todo = cases([paper], stage="cluster", models=["cluster_fair"])
     installed = [name for name, solver in solvers.solvers().items() if solver.installed]
-    assert [case.solver for case in todo] == ["auto", *installed]
+    assert [asked(run)[1] for run in todo] == ["auto", *installed]
 
 
 @pytest.mark.parametrize(
@@ -174,8 +190,8 @@ def test_by_default_every_installed_solver_is_compared(paper: Instance) -> None:
         ([row("highs", seed=1, objective=5.1, bound=5.1)], "highs has 5, but highs proves"),
     ],
 )
-def test_a_contradiction_between_solvers_is_found(others: list[Row], said: str) -> None:
-    (line,) = disagreements([ROW, *others])
+def test_a_contradiction_between_solvers_is_found(others: list[Record], said: str) -> None:
+    (line,) = disagreements([RECORD, *others])
     assert said in line
 
 
@@ -198,8 +214,8 @@ def test_bounds_of_maximisations_are_read_from_above() -> None:
         row("scip", instance="another", objective=7.0, bound=7.0),
     ],
 )
-def test_what_does_not_contradict_is_no_disagreement(other: Row) -> None:
-    assert disagreements([ROW, other]) == []
+def test_what_does_not_contradict_is_no_disagreement(other: Record) -> None:
+    assert disagreements([RECORD, other]) == []
 
 
 def test_shifted_geometric_means_are_those_of_optimal_solves() -> None:
@@ -220,20 +236,23 @@ def test_shifted_geometric_means_are_those_of_optimal_solves() -> None:
 
 
 def test_the_frame_has_a_column_per_field_and_survives_its_formats(tmp_path: Path) -> None:
-    rows = [ROW, row("scip", status="error", objective=None, bound=None, gap=None, message="é, \n")]
-    table = frame(rows)
-    assert list(table.columns) == [*Row.__dataclass_fields__]
+    rows = [
+        RECORD,
+        row("scip", status="error", objective=None, bound=None, gap=None, message="é, \n"),
+    ]
+    table = table_of(rows)
+    assert list(table.columns) == [*COLUMNS]
     assert table["objective"].isna().tolist() == [False, True]
     table.to_csv(tmp_path / "rows.csv", index=False)
     again = pd.read_csv(tmp_path / "rows.csv")
     assert again["message"].tolist()[1] == "é, \n"
     table.to_parquet(tmp_path / "rows.parquet")
     assert pd.read_parquet(tmp_path / "rows.parquet")["objective"].tolist()[0] == 5.0
-    assert json.loads(json.dumps(as_documents(rows)))[1]["objective"] is None
+    assert json.loads(json.dumps(documents_of(rows)))[1]["objective"] is None
 
 
 def test_no_rows_make_an_empty_frame_with_columns() -> None:
-    assert list(frame([]).columns) == [*Row.__dataclass_fields__]
+    assert list(table_of([]).columns) == [*COLUMNS]
 
 
 def test_instances_are_told_apart_by_name(instances_dir: Path, tmp_path: Path) -> None:
@@ -252,15 +271,15 @@ def test_a_table_is_as_good_as_its_rows() -> None:
         row("scip", objective=4.0, bound=4.0),
         row("glpk", status="skipped", objective=None, bound=None, gap=None),
     ]
-    table = frame(rows)
-    assert list(as_rows(table)) == rows
-    assert list(as_rows(table.set_index("solver"))) == rows
+    table = table_of(rows)
+    assert documents_of(records_of(table)) == documents_of(rows)
+    assert documents_of(records_of(table.set_index("solver"))) == documents_of(rows)
     assert disagreements(table) == disagreements(rows) != []
 
 
 def test_a_table_of_something_else_is_refused() -> None:
     with pytest.raises(InputError, match="check; give the table as compare returns it"):
-        disagreements(frame([ROW]).drop(columns="check"))
+        disagreements(table_of([RECORD]).drop(columns="check"))
 
 
 def test_rows_of_a_table_are_in_the_order_that_was_asked_for(instances_dir: Path) -> None:

@@ -9,10 +9,11 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import psutil
 import pytest
 
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.studies.ledger import Ledger
+from msmrta_opt.studies.ledger import Ledger, _identity
 from msmrta_opt.studies.record import Record
 
 RECORD = Record(
@@ -26,7 +27,7 @@ RECORD = Record(
     method="planner",
     psi=0.5,
     seconds=0.25,
-    n_served=2,
+    metrics_json='{"n_served": 2}',
 )
 
 
@@ -57,7 +58,7 @@ def test_a_finished_run_is_never_replaced_and_a_failed_one_is(path: Path) -> Non
 
 def test_a_run_is_one_processs_to_do_until_it_is_done(path: Path) -> None:
     with Ledger(path) as mine, Ledger(path) as other:
-        other._owner = (other._owner[0], os.getppid(), _born(os.getppid()))
+        other._owner = _identity(psutil.Process(os.getppid()))
         assert mine.claim("k")
         assert mine.claim("k"), "what is claimed already stays claimed"
         assert not other.claim("k")
@@ -110,17 +111,11 @@ def test_a_ledger_of_another_layout_is_refused(path: Path) -> None:
     Ledger(path).close()
     with sqlite3.connect(path) as database:
         database.execute("PRAGMA user_version = 99")
-    with pytest.raises(InputError, match="layout 99, where this version has 1"):
+    with pytest.raises(InputError, match="layout 99, where this version has 2"):
         Ledger(path)
 
 
 def test_a_missing_ledger_can_be_asked_to_be_there(path: Path) -> None:
     with pytest.raises(InputError, match="no ledger yet"):
-        Ledger(path, create=False)
+        Ledger(path, read_only=True)
     assert not path.exists()
-
-
-def _born(process: int) -> float:
-    import psutil
-
-    return float(psutil.Process(process).create_time())

@@ -50,7 +50,7 @@ def do(path: Path, **options: object) -> list[Record]:
 
 def kept(path: Path) -> list[Record]:
     """The ledger of the study at `path`."""
-    with Ledger(Study.read(path).ledger, create=False) as ledger:
+    with Ledger(Study.read(path).ledger, read_only=True) as ledger:
         return list(ledger.records())
 
 

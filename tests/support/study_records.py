@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from itertools import product
 from typing import Any
 
+from msmrta_opt.mission.metrics import METRICS
 from msmrta_opt.studies.record import Record
 from msmrta_opt.studies.specification import Study
 
@@ -43,6 +44,8 @@ def record(instance: str, contender: str, seconds: float | None = 1.0, **changes
         values |= {"seconds": None, "seconds_low": None, "seconds_high": None}
         values |= {"seconds_json": "[]"}
     values |= changes
+    measured = {name: values.pop(name) for name in METRICS if name in values}
+    values["metrics_json"] = json.dumps(measured)
     name = f"{instance}/{contender}/{values.get('seed')}"
     return Record(key=name, run=name, instance=instance, contender=contender, **values)
 

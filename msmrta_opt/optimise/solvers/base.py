@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Literal, get_args
 
 from ...arrays import Floats
-from ...mission.errors import InputError, SolverError
+from ...mission.errors import InputError, SolverError, UnsupportedError
 from ..program import Program
 from ..solution import Status
 
@@ -132,15 +132,17 @@ class Solver:
         Raises
         ------
         SolverError
-            If it is not installed, or an option or the program asks for what it cannot do.
+            If it is not installed, or fails.
+        UnsupportedError
+            If an option or the program asks for what it cannot do.
         """
         if not self.installed:
             raise SolverError(f"solver {self.name} is not installed; {self.install}")
         for option in options.given():
             if option not in self.abilities:
-                raise SolverError(f"solver {self.name} cannot do {option}")
+                raise UnsupportedError(f"solver {self.name} cannot do {option}")
         if program.integer.any() and "integer" not in self.abilities:
-            raise SolverError(f"solver {self.name} cannot do integer programs")
+            raise UnsupportedError(f"solver {self.name} cannot do integer programs")
         if not program.integer.all() and "lp" not in self.abilities:
-            raise SolverError(f"solver {self.name} cannot do continuous variables")
+            raise UnsupportedError(f"solver {self.name} cannot do continuous variables")
         return self.run(program, options)

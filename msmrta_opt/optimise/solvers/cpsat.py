@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Floats, Ints
-from ...mission.errors import SolverError
+from ...mission.errors import UnsupportedError
 from ..program import Program
 from .apart import run_apart
 from .base import Options, Outcome, Solver
@@ -63,7 +63,7 @@ def scaled(coefficients: Floats, magnitudes: Floats, largest: float = LARGEST) -
 
     Raises
     ------
-    SolverError
+    UnsupportedError
         If the coefficients need more digits than that leaves them.
     """
     size = float(np.abs(coefficients) @ magnitudes)
@@ -77,7 +77,7 @@ def scaled(coefficients: Floats, magnitudes: Floats, largest: float = LARGEST) -
         rounding = np.abs(weights - scale * coefficients) @ magnitudes
         error = float(rounding + ROUNDING * scale * size)
     if error > FEASIBILITY * scale * max(1.0, size):
-        raise SolverError(
+        raise UnsupportedError(
             f"solver cpsat cannot do coefficients from {np.abs(coefficients).min():g} to "
             f"{np.abs(coefficients).max():g} on variables up to {magnitudes.max():g} as integers"
         )
@@ -106,14 +106,14 @@ def run(program: Program, options: Options) -> Outcome:
 
     Raises
     ------
-    SolverError
+    UnsupportedError
         If a column has an infinite bound, or the numbers need more digits than integers have.
     """
     magnitudes = np.maximum(np.abs(program.lower), np.abs(program.upper))
     if (magnitudes > LARGEST).any():
         j = int(np.argmax(magnitudes))
         name = program.column_name(j) if program.columns else f"column {j}"
-        raise SolverError(f"solver cpsat cannot do infinite bounds, as {name} has")
+        raise UnsupportedError(f"solver cpsat cannot do infinite bounds, as {name} has")
     return run_apart(_solve, program, options)
 
 

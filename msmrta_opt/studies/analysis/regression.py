@@ -6,11 +6,12 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from pydantic import TypeAdapter, ValidationError
-
-from ...mission.errors import InputError
+from ...mission.errors import InputError, shown
 from ...mission.files import read_json, write_text
-from ..rows import TOLERANCE, Row, as_documents
+from ...mission.validation import said_of
+from ..record import Record
+from ..solves import documents_of, record_of_row
+from .agreement import TOLERANCE
 
 FORMAT = "msmrta-comparison/1"
 SHORTEST_SECONDS = 0.1
@@ -18,33 +19,40 @@ SHORTEST_SECONDS = 0.1
 _PROVEN = ("optimal", "infeasible", "unbounded")
 
 
-def save_baseline(rows: Sequence[Row], path: str | Path) -> None:
-    """Write `rows` as a baseline, whole or not at all."""
-    write_text(path, json.dumps({"format": FORMAT, "rows": as_documents(rows)}, indent=1) + "\n")
+def save_baseline(records: Sequence[Record], path: str | Path) -> None:
+    """Write the rows of `records` as a baseline, whole or not at all."""
+    document = {"format": FORMAT, "rows": documents_of(records)}
+    write_text(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
-def read_baseline(path: str | Path) -> list[Row]:
-    """The rows of a baseline file.
+def read_baseline(path: str | Path) -> list[Record]:
+    """The records of a baseline file.
 
     Raises
     ------
     InputError
-        If the file is not a baseline.
+        If the file is not a baseline, or a row is not one of a comparison.
     """
     document = read_json(path)
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise InputError(f"not a comparison; its format should be {FORMAT!r}", file=path)
-    try:
-        return TypeAdapter(list[Row]).validate_python(document.get("rows"))
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = "".join(f"[{i}]" if isinstance(i, int) else f".{i}" for i in first["loc"])
-        raise InputError(first["msg"], field=f"rows{place}", file=path) from None
+    rows = document.get("rows")
+    if not isinstance(rows, list):
+        raise InputError(f"{shown(rows)}; give a list, […]", field="rows", file=path)
+    found = []
+    for i, row in enumerate(rows):
+        if not isinstance(row, dict):
+            raise InputError(f"{shown(row)}; give an object", field=f"rows[{i}]", file=path)
+        try:
+            found.append(record_of_row(row))
+        except InputError as error:
+            raise said_of(f"rows[{i}]", error).within(path) from None
+    return found
 
 
 def changes(
-    before: Sequence[Row],
-    after: Sequence[Row],
+    before: Sequence[Record],
+    after: Sequence[Record],
     *,
     tolerance: float = TOLERANCE,
     slower: float | None = None,
@@ -54,7 +62,7 @@ def changes(
     A status, an objective or a bound beyond `tolerance` (relative), a check, a solve that is
     missing or new, and, if `slower` is given, a total time beyond that ratio.
     """
-    old, new = ({row.key: row for row in rows} for rows in (before, after))
+    old, new = ({row.solve: row for row in rows} for rows in (before, after))
     found = [
         f"{_name(row)}: was there before, is missing" for key, row in old.items() if key not in new
     ]
@@ -65,25 +73,24 @@ def changes(
         ]
         if slower is not None and _is_slower(old[key], new[key], slower):
             found.append(
-                f"{_name(new[key])}: took {new[key].total_seconds:.3g} s,"
-                f" was {old[key].total_seconds:.3g} s"
+                f"{_name(new[key])}: took {new[key].seconds:.3g} s, was {old[key].seconds:.3g} s"
             )
     return found
 
 
-def _name(row: Row) -> str:
-    seed = "" if row.seed is None else f", seed {row.seed}"
+def _name(row: Record) -> str:
+    seed = "" if row.solver_seed is None else f", seed {row.solver_seed}"
     return f"{row.model} on {row.instance} by {row.solver}{seed}"
 
 
-def _differences(old: Row, new: Row, tolerance: float) -> list[str]:
+def _differences(old: Record, new: Record, tolerance: float) -> list[str]:
     found = []
-    if old.status != new.status:
-        found.append(f"status {new.status}, was {old.status}")
-    if old.check != new.check:
+    if old.verdict != new.verdict:
+        found.append(f"status {new.verdict}, was {old.verdict}")
+    if (old.check or "") != (new.check or ""):
         found.append(f"check {new.check or 'none'}, was {old.check or 'none'}")
     # Where a limit stopped both, value and bound depend on the machine's speed.
-    names = ("objective", "bound") if old.status == new.status and old.status in _PROVEN else ()
+    names = ("objective", "bound") if old.verdict == new.verdict and old.verdict in _PROVEN else ()
     for name in names:
         was, is_ = getattr(old, name), getattr(new, name)
         if (was is None) != (is_ is None) or (
@@ -97,7 +104,7 @@ def _number(value: float | None) -> str:
     return "none" if value is None else f"{value:.9g}"
 
 
-def _is_slower(old: Row, new: Row, ratio: float) -> bool:
-    if old.total_seconds is None or new.total_seconds is None:
+def _is_slower(old: Record, new: Record, ratio: float) -> bool:
+    if old.seconds is None or new.seconds is None:
         return False
-    return new.total_seconds > max(ratio * old.total_seconds, SHORTEST_SECONDS)
+    return new.seconds > max(ratio * old.seconds, SHORTEST_SECONDS)

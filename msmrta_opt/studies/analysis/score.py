@@ -7,13 +7,15 @@ are both of the paper's equations at what was chosen.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
 from ...isolation import Failure, Limits, run_isolated
 from ...mission.errors import InputError, MsmrtaError
 from ...mission.instance import Instance
+from ...mission.metrics import METRICS, Metrics
 from ...mission.plan import Plan
 from ...optimise import registry
 from ...planners import plan as make_plan
@@ -33,7 +35,7 @@ class Score:
     """A formulation in the staged planner, on one instance.
 
     ``eq1`` and ``eq2`` are the paper's objectives at what was chosen, by the options' ψ and β;
-    distances are in cells, times in time units. ``message`` says why there are no figures.
+    ``metrics`` are those of the plan. ``message`` says why there are none.
     """
 
     instance: str
@@ -43,11 +45,20 @@ class Score:
     served_in_b2: int | None = None
     served_in_b3: int | None = None
     served_in_b4: int | None = None
-    distance: int | None = None
-    makespan: float | None = None
-    total_time: float | None = None
-    mean_completion: float | None = None
+    metrics: Metrics | None = None
     message: str = ""
+
+    def __getattr__(self, name: str) -> Any:
+        """A metric of the plan by its name, ``None`` without a plan."""
+        if name not in METRICS:
+            raise AttributeError(name)
+        return self.metrics and getattr(self.metrics, name)
+
+    def as_dict(self) -> dict[str, Any]:
+        """All figures by name, those of the plan among them."""
+        own = {item.name: getattr(self, item.name) for item in fields(self)}
+        del own["metrics"]
+        return {**own, **{name: getattr(self, name) for name in METRICS}}
 
 
 def score(
@@ -95,10 +106,7 @@ def score(
         served_in_b2=served["B2"],
         served_in_b3=served["B3"],
         served_in_b4=served["B4"],
-        distance=plan.metrics.distance,
-        makespan=plan.metrics.makespan,
-        total_time=plan.metrics.total_time,
-        mean_completion=plan.metrics.mean_completion,
+        metrics=plan.metrics,
     )
 
 

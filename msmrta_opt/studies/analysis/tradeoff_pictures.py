@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from itertools import groupby, pairwise
+from itertools import groupby, pairwise, zip_longest
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
 from ...mission.errors import InputError
+from ...mission.metrics import METRICS, metrics_of
 from ...mission.plan import Plan
 from ...plots.canvas import Picture, own_axes, panel_size, size_of
 from ...plots.legends import legend_below
@@ -35,14 +36,6 @@ OBJECTIVES = {
     "psi": ("requirements met", "requirements met of fully satisfied victims"),
     "beta": ("success time", "failure time"),
 }
-METRICS = {
-    "distance": "distance (cells)",
-    "makespan": "makespan (time units)",
-    "total_time": "total time (time units)",
-    "mean_completion": "mean completion time (time units)",
-    "n_served": "requirements served",
-}
-"""Metrics that the map of regions can be coloured by, and what its scale says of them."""
 MOST_NAMED = 12
 """Breakpoints that are named one by one; of more, the names would overlap."""
 NAME_FONT = 7.0
@@ -168,7 +161,7 @@ def plot_regions(regions: Regions, ax: Axes | None = None, *, metric: str = "dis
     ax : Axes, optional
         Where to draw; a figure of its own by default.
     metric : str
-        One of `METRICS`.
+        One of `mission.metrics.METRICS`.
 
     Raises
     ------
@@ -181,7 +174,7 @@ def plot_regions(regions: Regions, ax: Axes | None = None, *, metric: str = "dis
     values = [float(getattr(region.plan.metrics, metric)) for region in regions.regions]
     spread = max(values) - min(values)
     norm = Normalize(min(values), max(values) if spread else min(values) + 1)
-    scale = ax.figure.colorbar(_scale(norm), ax=ax, label=METRICS[metric])
+    scale = ax.figure.colorbar(_scale(norm), ax=ax, label=METRICS[metric].title)
     if not spread:
         scale.set_ticks([min(values)])
     number = _numbers(regions)
@@ -190,7 +183,7 @@ def plot_regions(regions: Regions, ax: Axes | None = None, *, metric: str = "dis
     ax.set(xlim=(0, 1), ylim=(0, 1), aspect="equal")
     ax.set_xlabel("ψ (full over partial satisfaction)")
     ax.set_ylabel("β (failure time over success time)")
-    ax.set_title(METRICS[metric].split(" (")[0].capitalize(), fontsize=10)
+    ax.set_title(METRICS[metric].label.capitalize(), fontsize=10)
     return ax
 
 
@@ -236,7 +229,7 @@ def tradeoff_figure(result: Tradeoff, *, breakpoint_: Fraction | None = None) ->
 
 
 def regions_figure(regions: Regions) -> Figure:
-    """One page on both parameters: the square by four metrics, and the two plans furthest apart."""
+    """One page on both parameters: the square by some metrics, and the two plans furthest apart."""
     plans = sorted(regions.plans, key=lambda plan: (plan.metrics.distance, plan.metrics.makespan))
     instance = plans[0].instance
     number = _numbers(regions)
@@ -252,8 +245,10 @@ def regions_figure(regions: Regions) -> Figure:
         "a number names a plan; hatched where it is one of several optimal ones",
         fontsize=12,
     )
-    for ax, metric in zip(top.subplots(2, 2).flat, METRICS, strict=False):
-        plot_regions(regions, ax, metric=metric)
+    measured = [metric.name for metric in metrics_of("plans") if metric.better == "less"]
+    panels = top.subplots(-(-len(measured) // 2), 2).flat
+    for ax, metric in zip_longest(panels, measured):
+        plot_regions(regions, ax, metric=metric) if metric else ax.set_axis_off()
     chosen = plans if len(plans) == 1 else [plans[0], plans[-1]]
     words = ["shortest", "longest"] if len(chosen) > 1 else ["the only"]
     titles = [f"plan {number[p.routes]} ({w})" for w, p in zip(words, chosen, strict=True)]

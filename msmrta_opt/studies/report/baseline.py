@@ -11,9 +11,9 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
+from ...mission.metrics import metrics_of
 from .blocks import Table
 from .runs import CELL, INSTANCE, METHODS, contenders, per_instance
-from .tables import METRICS
 
 ALL_MAPS = "all maps"
 SAVED = "saved (%)"
@@ -98,11 +98,11 @@ def ratios(runs: pd.DataFrame, baseline: str) -> pd.DataFrame:
 
     Instances count that both finished and where the baseline's value is not zero.
     """
-    tables = {title: per_instance(runs, name) for name, title in METRICS.items()}
+    tables = {m.label: per_instance(runs, m.name) for m in metrics_of("report")}
     if any(baseline not in wide for wide in tables.values()):
         return pd.DataFrame()
     found: dict[tuple[str, str], dict[str, float]] = {}
-    for title, wide in tables.items():
+    for label, wide in tables.items():
         for name, here in _by_map(wide):
             base = here[baseline].replace(0, np.nan)
             means = here.drop(columns=baseline).div(base, axis="index")
@@ -110,7 +110,7 @@ def ratios(runs: pd.DataFrame, baseline: str) -> pd.DataFrame:
                 entry = found.setdefault((name, contender), {})
                 both = int(here[[contender, baseline]].notna().all(axis="columns").sum())
                 entry["instances"] = max(both, entry.get("instances", 0))
-                entry[title.split(" (")[0]] = mean
+                entry[label] = mean
     rows = [
         {"map": name, "contender": contender} | values
         for (name, contender), values in found.items()
@@ -121,10 +121,11 @@ def ratios(runs: pd.DataFrame, baseline: str) -> pd.DataFrame:
 
 def ratios_table(runs: pd.DataFrame, baseline: str) -> Table:
     """`ratios`, with what is said of them."""
+    more = ", ".join(f"the {m.label}" for m in metrics_of("report") if m.better == "more")
     return Table(
         "quality-against-the-baseline", "Quality of the plans", ratios(runs, baseline),
         f"Mean over instances of the contender's value / that of {baseline}; 1 is equal. More is"
-        " better of the served share, less of all others. Only instances that both finished"
+        f" better of {more}, less of all others. Only instances that both finished"
         " count, and of them those where the baseline's value is not zero.",
     )  # fmt: skip
 

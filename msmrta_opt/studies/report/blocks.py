@@ -13,7 +13,8 @@ from .text import slug
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .heat import MapHeat
+MOST_LABELS = 10
+"""Along one side of a panel of a heat map."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,52 @@ class Picture:
     alt: str
     figure: Figure
     data: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A number of robots and of victims: its place, counted from the lower left, and its value."""
+
+    x: int
+    y: int
+    state: str
+    colour: str | None
+    tip: str
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One contender on one map."""
+
+    contender: str
+    robots: Sequence[int]
+    victims: Sequence[int]
+    cells: Sequence[Cell]
+    alt: str
+
+    @property
+    def x_labels(self) -> list[tuple[int, int]]:
+        """Positions along the victims with the labels there, few enough to be read."""
+        return _labels(self.victims)
+
+    @property
+    def y_labels(self) -> list[tuple[int, int]]:
+        """The same along the robots."""
+        return _labels(self.robots)
+
+
+@dataclass(frozen=True)
+class MapHeat:
+    """The panels of one map, on one scale of colours."""
+
+    map: str
+    panels: Sequence[Panel]
+    low: float
+    middle: float
+    high: float
+    log: bool
+    gradient: str
+    """The colours from low to high, as CSS."""
 
 
 @dataclass(frozen=True)
@@ -74,3 +121,8 @@ class Section:
     def anchor(self) -> str:
         """The name that links within the page lead to."""
         return f"section-{slug(self.title)}"
+
+
+def _labels(values: Sequence[int]) -> list[tuple[int, int]]:
+    step = -(-len(values) // MOST_LABELS)
+    return list(enumerate(values))[::step]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from ...plots.style import line_styles
 from .baseline import ratios_table, savings_table
 from .blocks import Block, Section, Table
 from .heat import metric_heats, time_heat
@@ -12,7 +13,6 @@ from .outcomes import outcome_picture
 from .profile import planning_profile, solving_profile
 from .runs import METHODS, contenders, failures, of_method
 from .scaling import scaling_blocks
-from .style import styles
 from .tables import (
     contender_table,
     counts_table,
@@ -33,7 +33,7 @@ def sections(study: Study, runs: pd.DataFrame) -> list[Section]:
     """The sections of the report of `study`, from its runs as of `table_of`."""
     if runs.empty:
         return []
-    looks = styles(contenders(runs))
+    looks = line_styles(contenders(runs))
     kinds = [(method, of_method(runs, method)) for method in METHODS]
     kinds = [(method, mine) for method, mine in kinds if not mine.empty]
     planned = of_method(runs, "planner")

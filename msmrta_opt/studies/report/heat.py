@@ -7,7 +7,6 @@ value; `sheet` draws all of them on one picture.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,11 +15,11 @@ from matplotlib.colors import LogNorm, Normalize, to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from ...mission.metrics import METRICS, metrics_of
 from ...plots.style import FAINT, INK
-from .blocks import HeatMaps
+from .blocks import Cell, HeatMaps, MapHeat, Panel
 from .runs import METHODS, contenders
 from .style import PAPER
-from .tables import METRICS, scaled
 from .text import number
 
 if TYPE_CHECKING:
@@ -30,62 +29,10 @@ if TYPE_CHECKING:
 COLOURS = colormaps["viridis"]
 STOPS = 16
 MISSING, FAILED, FOUND, PARTLY = "not run", "failed", "", "partly failed"
-MOST_LABELS = 10
-"""Along one side of a panel."""
 NO_TIME = {"planner": "failed", "formulation": "ended without a proven optimum"}
-"""What befell the runs that do not count."""
+"""Why runs do not count."""
 GAP = 0.18
 """Between the panels of a sheet, in panels."""
-
-
-@dataclass(frozen=True)
-class Cell:
-    """A number of robots and of victims: its place, counted from the lower left, and its value."""
-
-    x: int
-    y: int
-    state: str
-    colour: str | None
-    tip: str
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One contender on one map."""
-
-    contender: str
-    robots: Sequence[int]
-    victims: Sequence[int]
-    cells: Sequence[Cell]
-    alt: str
-
-    @property
-    def x_labels(self) -> list[tuple[int, int]]:
-        """Positions along the victims with the labels there, few enough to be read."""
-        return _labels(self.victims)
-
-    @property
-    def y_labels(self) -> list[tuple[int, int]]:
-        """The same along the robots."""
-        return _labels(self.robots)
-
-
-@dataclass(frozen=True)
-class MapHeat:
-    """The panels of one map, on one scale of colours."""
-
-    map: str
-    panels: Sequence[Panel]
-    low: float
-    middle: float
-    high: float
-    log: bool
-
-    @property
-    def gradient(self) -> str:
-        """The colours from low to high, as CSS."""
-        stops = COLOURS(np.linspace(0, 1, STOPS))
-        return f"linear-gradient(to right, {', '.join(to_hex(stop) for stop in stops)})"
 
 
 def time_heat(runs: pd.DataFrame, method: str) -> HeatMaps | None:
@@ -97,9 +44,8 @@ def time_heat(runs: pd.DataFrame, method: str) -> HeatMaps | None:
 def metric_heats(runs: pd.DataFrame) -> list[HeatMaps]:
     """One for each metric of the plans."""
     found = []
-    for metric, title in METRICS.items():
-        name, unit = title.rstrip(")").split(" (")
-        heat = _heat(runs, metric, name, unit, log=False)
+    for metric in metrics_of("report"):
+        heat = _heat(runs, metric.name, metric.label, metric.unit, log=False)
         if heat is not None:
             found.append(heat)
     return found
@@ -131,9 +77,9 @@ def _heat(
 def _cells(runs: pd.DataFrame, column: str) -> pd.DataFrame:
     """By map, contender, robots and victims: mean of `column`, runs that count, failed runs."""
     keys = ["map", "contender", "n_robots", "n_victims"]
-    known = runs.assign(
-        value=scaled(runs[column].where(runs["counts"]), column), failed=~runs["counts"]
-    )
+    values = runs[column].where(runs["counts"])
+    shown = METRICS[column].scaled(values) if column in METRICS else values
+    known = runs.assign(value=shown, failed=~runs["counts"])
     instances = known.groupby([*keys, "instance"], sort=False)
     each = instances.agg(value=("value", "mean"), runs=("failed", "size"), failed=("failed", "sum"))
     return (
@@ -159,7 +105,13 @@ def _maps(cells: pd.DataFrame, unit: str, *, log: bool, order: Sequence[str]) ->
             for contender in order
             if contender in groups
         ]
-        yield MapHeat(str(name), panels, low, float(norm.inverse(0.5)), high, log)
+        middle = float(norm.inverse(0.5))
+        yield MapHeat(str(name), panels, low, middle, high, log, _gradient())
+
+
+def _gradient() -> str:
+    stops = COLOURS(np.linspace(0, 1, STOPS))
+    return f"linear-gradient(to right, {', '.join(to_hex(stop) for stop in stops)})"
 
 
 def _panel(
@@ -207,11 +159,6 @@ def _state(row: Any, unit: str) -> tuple[str, str]:
     if row.failed:
         return PARTLY, f"{told}; {row.failed} of {row.runs} runs failed"
     return FOUND, told
-
-
-def _labels(values: Sequence[int]) -> list[tuple[int, int]]:
-    step = -(-len(values) // MOST_LABELS)
-    return list(enumerate(values))[::step]
 
 
 def _sheet(maps: Sequence[MapHeat], title: str) -> Figure:

@@ -9,20 +9,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..record import FINISHED, Record, frame
+from ..record import FINISHED, Record, frame, kinds_of_fields
 
 if TYPE_CHECKING:
     import pandas as pd
 
 METHODS = {"planner": "planning time", "formulation": "solving time"}
 """The two kinds of contender, and what their seconds are."""
-NUMBERS = (
-    *("n_robots", "n_victims", "seed", "repetitions", "limit", "objective", "bound", "gap"),
-    *("nodes", "n_variables", "n_rows", "n_requirements", "n_available", "n_served"),
-    *("served_share", "victims_fully_served", "distance", "total_time", "makespan", "latency"),
-    *("mean_completion", "weighted_completion", "seconds", "seconds_low", "seconds_high"),
-    "peak_memory",
-)
+NUMBERS = frozenset(name for name, kinds in kinds_of_fields().items() if {int, float} & {*kinds})
+"""Fields of a record that hold numbers."""
 INSTANCE = ["map", "instance", "n_robots", "n_victims"]
 CELL = ["map", "n_robots", "n_victims"]
 
@@ -36,7 +31,8 @@ def table_of(records: Sequence[Record]) -> pd.DataFrame:
     import pandas as pd
 
     runs = frame(records)
-    for name in NUMBERS:
+    texts = kinds_of_fields().keys() - NUMBERS
+    for name in runs.columns.difference(texts):
         runs[name] = pd.to_numeric(runs[name])
     runs["finished"] = runs["outcome"] == FINISHED
     runs["counts"] = runs["finished"] & (

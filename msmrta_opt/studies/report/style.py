@@ -1,18 +1,16 @@
-"""How contenders look, the same everywhere, and pictures that follow the page's colour scheme."""
+"""Pictures that follow the page's colour scheme."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
 from types import MappingProxyType
-from typing import Any
 
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...plots.saving import FORMATS
-from ...plots.style import INK, SHAPES, robot_style
+from ...plots.style import INK
 
 PAPER = "#FFFFFF"
 GRID = "#C8C8C8"
@@ -30,19 +28,6 @@ ON_DARK = MappingProxyType(
     }
 )
 """What becomes of a colour where the reader prefers a dark page."""
-
-
-def styles(contenders: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """For each contender the colour, line and marker, as matplotlib's `plot` takes them."""
-    found = {}
-    for index, contender in enumerate(contenders):
-        look = robot_style(index)
-        found[contender] = {
-            "color": look.colour,
-            "linestyle": look.line,
-            "marker": SHAPES[index % len(SHAPES)],
-        }
-    return found
 
 
 def own_axes(width: float = 6.0, height: float = 4.2) -> tuple[Figure, Axes]:

@@ -8,23 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from ..rows import SHIFT_SECONDS, Row, shifted_geometric_means
+from ...mission.metrics import metrics_of
+from ..analysis.times import SHIFT_SECONDS, shifted_geometric_mean
 from .blocks import Table
 from .runs import METHODS, common_instances, contenders, failures
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-METRICS = {
-    "served_share": "served share (%)",
-    "distance": "distance (cells)",
-    "total_time": "total time (time units)",
-    "makespan": "makespan (time units)",
-    "latency": "latency (time units)",
-    "mean_completion": "mean completion time (time units)",
-}
-"""The metrics of a plan, and what tables and pictures say of them."""
-PERCENT = ("served_share",)
 STATUSES = ("optimal", "feasible", "no_solution", "infeasible", "unbounded", "error")
 MOST_NAMED = 3
 """Instances of a failure that are named; the rest is in the table of all runs."""
@@ -71,7 +62,7 @@ def instance_table(runs: pd.DataFrame) -> Table:
     ]
     return Table(
         "instances", "Instances", pd.DataFrame(rows),
-        "Counts of one instance, the least to the most. A requirement is available when some robot"
+        "Counts of one instance, the smallest to the largest. A requirement is available when some robot"
         " that can reach the victim has it.",
     )  # fmt: skip
 
@@ -120,13 +111,13 @@ def timing_table(runs: pd.DataFrame, method: str) -> Table:
 
 def quality_table(runs: pd.DataFrame) -> Table:
     """Means of the metrics of each planner's plans, over the instances common to all."""
-    common = common_instances(runs)
+    common, metrics = common_instances(runs), metrics_of("report")
     rows = []
     for contender, mine in _by_contender(_on(runs, common)):
         row = {"contender": contender, "instances": mine["instance"].nunique()}
         # Instance by instance first: another seed more must not weigh an instance more.
-        means = mine.groupby("instance", sort=False)[list(METRICS)].mean().mean()
-        rows.append(row | {title: scaled(means[name], name) for name, title in METRICS.items()})
+        means = mine.groupby("instance", sort=False)[[m.name for m in metrics]].mean().mean()
+        rows.append(row | {m.title: m.scaled(means[m.name]) for m in metrics})
     return Table(
         "plan-metrics", "Plans", _without_empty(pd.DataFrame(rows)),
         f"{_common(runs, common)} Means over instances.",
@@ -135,26 +126,18 @@ def quality_table(runs: pd.DataFrame) -> Table:
 
 def solving_table(runs: pd.DataFrame) -> Table:
     """What came of each formulation by each solver: statuses, shifted geometric mean, gaps."""
-    means = shifted_geometric_means(
-        [
-            Row(
-                instance=run.instance, stage=run.stage, model=run.contender, solver="", seed=None,
-                status=run.status if run.finished else "error", total_seconds=run.seconds,
-            )
-            for run in runs.itertuples()
-        ]
-    )  # fmt: skip
     rows = []
     for contender, mine in _by_contender(runs):
         counts = mine.loc[mine["finished"], "status"].value_counts()
         stopped = mine[mine["finished"] & (mine["status"] == "feasible")]
+        solved = mine[mine["counts"] & mine["seconds"].notna()]
         rows.append(
             {
                 "formulation and solver": contender,
                 "runs": len(mine),
                 **{s.replace("_", " "): int(counts.get(s, 0)) for s in STATUSES},
                 "without result": int((~mine["finished"]).sum()),
-                "shifted geometric mean (s)": means[contender, ""][0],
+                "shifted geometric mean (s)": shifted_geometric_mean(solved["seconds"]),
                 "mean gap where stopped early (%)": 100 * stopped["gap"].mean(),
                 "median nodes": mine["nodes"].median(),
                 "variables": _span(mine["n_variables"]),
@@ -189,11 +172,6 @@ def failure_table(runs: pd.DataFrame) -> Table:
             }
         )
     return Table("errors", "Why", pd.DataFrame(rows))
-
-
-def scaled(value: Any, metric: str) -> Any:
-    """`value` in the unit that `METRICS` states."""
-    return 100 * value if metric in PERCENT else value
 
 
 def _by_contender(runs: pd.DataFrame) -> Iterable[tuple[str, pd.DataFrame]]:

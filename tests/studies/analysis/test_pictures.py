@@ -9,13 +9,16 @@ from matplotlib.figure import Figure
 
 from msmrta_opt.optimise.solution import Status
 from msmrta_opt.plots.canvas import PictureAxes
-from msmrta_opt.studies.analysis.pictures import performance_profile, staging_losses
 from msmrta_opt.studies.analysis.staging import Loss
-from msmrta_opt.studies.rows import Row, frame
+from msmrta_opt.studies.analysis.staging_picture import staging_losses
+from msmrta_opt.studies.analysis.times import performance_profile
+from msmrta_opt.studies.record import Record
+from msmrta_opt.studies.solves import record_of_row, table_of
 
 
-def row(instance: str, solver: str, seconds: float | None, status: Status = "optimal") -> Row:
-    return Row(instance, "cluster", "model", solver, None, status, total_seconds=seconds)
+def row(instance: str, solver: str, seconds: float | None, status: Status = "optimal") -> Record:
+    asked = {"instance": instance, "stage": "cluster", "model": "model", "solver": solver}
+    return record_of_row({**asked, "status": status, "total_seconds": seconds})
 
 
 ROWS = [
@@ -54,14 +57,14 @@ def test_a_profile_is_drawn_on_the_axes_given() -> None:
 
 
 @pytest.mark.parametrize("rows", [[], [row("one", "slow", None, "error")]])
-def test_a_profile_of_nothing_solved_is_empty_and_drawn(rows: list[Row]) -> None:
+def test_a_profile_of_nothing_solved_is_empty_and_drawn(rows: list[Record]) -> None:
     ax = performance_profile(rows)
     ax.figure.canvas.draw()
     assert "0 programs" in ax.get_title()
 
 
 def test_a_table_gives_the_profile_of_its_rows() -> None:
-    table, rows = performance_profile(frame(ROWS)), performance_profile(ROWS)
+    table, rows = performance_profile(table_of(ROWS)), performance_profile(ROWS)
     for one, other in zip(table.get_lines(), rows.get_lines(), strict=True):
         assert one.get_label() == other.get_label()
         np.testing.assert_array_equal(one.get_xydata(), other.get_xydata())

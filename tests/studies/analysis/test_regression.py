@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,29 +10,37 @@ import pytest
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.studies.analysis.regression import FORMAT, changes, read_baseline, save_baseline
-from msmrta_opt.studies.rows import Row
+from msmrta_opt.studies.record import Record
+from msmrta_opt.studies.solves import documents_of, record_of_row
 
-OLD = Row(
-    "paper",
-    "cluster",
-    "model",
-    "highs",
-    3,
-    "optimal",
-    sense="max",
-    objective=5.0,
-    bound=5.0,
-    gap=0.0,
-    check="passed",
-    total_seconds=1.0,
-)
+ROW = {
+    "instance": "paper",
+    "stage": "cluster",
+    "model": "model",
+    "solver": "highs",
+    "seed": 3,
+    "status": "optimal",
+    "sense": "max",
+    "objective": 5.0,
+    "bound": 5.0,
+    "gap": 0.0,
+    "check": "passed",
+    "total_seconds": 1.0,
+}
+OLD = record_of_row(ROW)
+
+
+def now(**changes: Any) -> Record:
+    return record_of_row(ROW | changes)
+
+
 WHERE = "model on paper by highs, seed 3: "
 
 
 def test_a_baseline_reads_as_it_was_saved(tmp_path: Path) -> None:
-    rows = [OLD, replace(OLD, seed=None, status="error", objective=None, message="“why”")]
+    rows = [OLD, now(seed=None, status="error", objective=None, message="“why”")]
     save_baseline(rows, tmp_path / "baseline.json")
-    assert read_baseline(tmp_path / "baseline.json") == rows
+    assert documents_of(read_baseline(tmp_path / "baseline.json")) == documents_of(rows)
 
 
 def test_nothing_changed_is_nothing_said() -> None:
@@ -41,7 +48,7 @@ def test_nothing_changed_is_nothing_said() -> None:
 
 
 @pytest.mark.parametrize(
-    ("now", "lines"),
+    ("changed", "lines"),
     [
         ({"status": "feasible"}, ["status feasible, was optimal"]),
         ({"objective": 5.1}, ["objective 5.1, was 5"]),
@@ -52,12 +59,12 @@ def test_nothing_changed_is_nothing_said() -> None:
         ({"status": "error", "check": ""}, ["status error, was optimal", "check none, was passed"]),
     ],
 )
-def test_a_change_is_one_line(now: dict[str, Any], lines: list[str]) -> None:
-    assert changes([OLD], [replace(OLD, **now)], slower=2.0) == [WHERE + line for line in lines]
+def test_a_change_is_one_line(changed: dict[str, Any], lines: list[str]) -> None:
+    assert changes([OLD], [now(**changed)], slower=2.0) == [WHERE + line for line in lines]
 
 
 @pytest.mark.parametrize(
-    "now",
+    "changed",
     [
         {"objective": 5.0 + 4e-6, "bound": 5.0 - 4e-6},  # the tolerance is 1e-6 of 5
         {"total_seconds": 1.9},
@@ -65,26 +72,26 @@ def test_a_change_is_one_line(now: dict[str, Any], lines: list[str]) -> None:
         {"nodes": 7, "solver_version": "2", "machine": "other", "message": "other"},
     ],
 )
-def test_what_differs_from_run_to_run_is_no_change(now: dict[str, Any]) -> None:
-    assert changes([OLD], [replace(OLD, **now)], slower=2.0) == []
+def test_what_differs_from_run_to_run_is_no_change(changed: dict[str, Any]) -> None:
+    assert changes([OLD], [now(**changed)], slower=2.0) == []
 
 
 def test_times_are_compared_only_when_asked_for() -> None:
-    assert changes([OLD], [replace(OLD, total_seconds=100.0)]) == []
+    assert changes([OLD], [now(total_seconds=100.0)]) == []
 
 
 def test_a_quick_solve_is_never_called_slower() -> None:
-    old, new = replace(OLD, total_seconds=0.001), replace(OLD, total_seconds=0.09)
+    old, new = now(total_seconds=0.001), now(total_seconds=0.09)
     assert changes([old], [new], slower=2.0) == []
 
 
 def test_where_a_limit_stopped_both_values_may_differ() -> None:
-    old = replace(OLD, status="feasible", bound=7.0)
-    assert changes([old], [replace(old, objective=4.0, bound=6.0)]) == []
+    old = now(status="feasible", bound=7.0)
+    assert changes([old], [now(status="feasible", objective=4.0, bound=6.0)]) == []
 
 
 def test_missing_and_new_solves_are_listed() -> None:
-    other = replace(OLD, solver="scip")
+    other = now(solver="scip")
     assert changes([OLD], [other]) == [
         WHERE + "was there before, is missing",
         "model on paper by scip, seed 3: was not there before",

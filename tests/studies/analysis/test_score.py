@@ -34,11 +34,12 @@ def test_the_plan_of_two_rooms_scores_as_by_hand(two_rooms: Instance, model: str
     assert (found.instance, found.model, found.message) == ("two_rooms", model, "")
     assert (found.eq1, found.eq2) == (pytest.approx(3.0), pytest.approx(4.0))
     assert (found.served_in_b2, found.served_in_b3, found.served_in_b4) == (2, 1, 0)
-    assert found.distance == 10
-    assert found.makespan == pytest.approx(13.0)
-    assert found.total_time == pytest.approx(17.0)
+    assert found.metrics is not None
+    assert found.metrics.distance == 10
+    assert found.metrics.makespan == pytest.approx(13.0)
+    assert found.metrics.total_time == pytest.approx(17.0)
     # The two victims of robot 0 are as near as each other; either may be first.
-    assert found.mean_completion in (pytest.approx(25 / 3), pytest.approx(26 / 3))
+    assert found.metrics.mean_completion in (pytest.approx(25 / 3), pytest.approx(26 / 3))
 
 
 def test_beta_weighs_time_against_what_others_must_redo(two_rooms: Instance) -> None:

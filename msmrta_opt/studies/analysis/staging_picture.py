@@ -1,0 +1,49 @@
+"""A picture of what staging costs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from matplotlib.axes import Axes
+
+from ...plots.canvas import own_axes
+from ...plots.legends import legend_below
+from ...plots.style import PALETTE
+from .staging import Loss
+
+
+def staging_losses(
+    priced: Mapping[str, Sequence[Loss]], objective: str, ax: Axes | None = None
+) -> Axes:
+    """Per mission a bar: what a staged plan needs at best, and what each stage adds.
+
+    Parameters
+    ----------
+    priced : mapping of str to sequence of Loss
+        What `price_of_staging` finds, by the mission's name.
+    objective : str
+        What was priced.
+    ax : Axes, optional
+        Where to draw; a figure of its own by default.
+
+    Returns
+    -------
+    Axes
+        The objective on x, in time units; a row per mission.
+    """
+    ax = own_axes(9, 1.9 + 0.35 * len(priced)) if ax is None else ax
+    for row, losses in enumerate(priced.values()):
+        left = losses[-1].after
+        ax.barh(row, left, color="#D9D9D9", edgecolor="white", label="all free" if not row else "")
+        for i, item in enumerate(reversed(losses)):
+            label = f"lost by {item.stage}" if not row else ""
+            ax.barh(row, item.loss, left=left, color=PALETTE[i], edgecolor="white", label=label)
+            left += item.loss
+        ax.text(left, row, f" {left:.1f}", va="center")
+    ax.set_yticks(range(len(priced)), list(priced))
+    ax.invert_yaxis()
+    ax.set_xlabel(f"{objective.replace('_', ' ')} (time units)")
+    ax.set_title("What each stage of the staged plan costs")
+    ax.margins(x=0.12)
+    legend_below(ax)
+    return ax
