@@ -19,14 +19,13 @@ from ..interruption import interrupted, interruptible
 from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import LIMITS, Certificate, Plan, Route, Unserved
+from ..mission.proof import LatencyProof, RootProof
 from ..optimise.solve import solve
 from ..routing.bound import Bound
-from ..routing.branch_and_cut.root_proof import root_proof
-from ..routing.branch_and_price.root_proof import latency_proof
 from ..routing.callbacks import Callbacks
 from ..routing.heuristics.ruin_and_recreate import ruin_and_recreate
 from ..routing.incumbent import Progress
-from ..routing.methods import close_in
+from ..routing.methods import METHODS, close_in
 from ..routing.objectives import DEFAULT, Objective, objective_of
 from ..routing.parameters import Parameters
 from ..routing.problem import Routes, RoutingData, faults
@@ -257,23 +256,25 @@ def _certificate(
 ) -> Certificate:
     worth = objective.value(data, routes)
     opening = relative_gap(worth, bound.value)
-    program = bound.program
+    method = METHODS[objective.method]
+    n_variables, n_rows = (0, 0) if bound.root is None else bound.root.size
+    written = None if bound.root is None else bound.root.written(known, worth)
     return Certificate(
         stage=STAGE_OF_BOUNDS,
         model=objective.name,
         sense=objective.sense,
-        solver=objective.method,
-        version="",
+        solver=method.title,
+        version=method.solvers(),
         status="optimal" if opening <= 1e-6 else "feasible",
         objective=worth,
         bound=bound.value,
         gap=0.0 if opening <= 1e-6 else opening,
         proof=bound.proof,
         check="passed" if not faults(data, routes) else faults(data, routes)[0],
-        n_variables=0 if program is None else program.n_columns,
-        n_rows=0 if program is None else program.n_rows,
-        root=root_proof(known, bound, worth),
-        pricing=None if bound.latency is None else latency_proof(known, data, bound.latency, worth),
+        n_variables=n_variables,
+        n_rows=n_rows,
+        root=written if isinstance(written, RootProof) else None,
+        pricing=written if isinstance(written, LatencyProof) else None,
     )
 
 

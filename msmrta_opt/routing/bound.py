@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Literal
+from typing import Literal, Protocol
 
-from ..arrays import Floats
-from ..optimise.check import dual_bound
-from ..optimise.program import Program
-from .branch_and_cut.edge_formulation import Columns
-from .branch_and_cut.separation import Cut
-from .branch_and_price.duals import LatencyRoot
+from ..mission.instance import Instance
+from ..mission.proof import LatencyProof, RootProof
 
 Proof = Literal[
     "combinatorial",
@@ -23,36 +18,25 @@ Proof = Literal[
 ]
 
 
+class Evidence(Protocol):
+    """What was proved before branching, so that it can be proved again."""
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Variables and rows of the program that was solved; 0 where it is none."""
+
+    def written(self, instance: Instance, worth: float) -> RootProof | LatencyProof | None:
+        """By the ids of `instance`, for routes worth `worth`."""
+
+
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """No answer is better than `value`.
-
-    The root relaxation is stored whole: whoever solves `program` with any solver, or multiplies it
-    with `prices` by hand (`root`), sees what it proves. What branching adds to that rests on the
-    tree; what rounding adds, on `step`.
-    """
+    """No solution is better than `value`."""
 
     value: float
-    """In time units, offset included."""
+    """In the objective's unit, offset included."""
     proof: Proof
     step: float = 0.0
-    """Answers are worth the program's offset plus multiples of this; 0 if that is not known."""
-    columns: Columns | None = None
-    """Of the root relaxation."""
-    cuts: tuple[Cut, ...] = ()
-    """Its cuts."""
-    prices: Floats | None = None
-    """Duals of its first rows, then of `cuts`, ``(n_rows,)``."""
-    latency: LatencyRoot | None = None
-    """In place of these, for latency: what proves its bound before branching."""
-
-    @cached_property
-    def program(self) -> Program | None:
-        """The root relaxation with its cuts."""
-        return None if self.columns is None else self.columns.program(list(self.cuts)).relaxed()
-
-    def root(self) -> float | None:
-        """What the stored relaxation proves, computed from it and its prices, without a solver."""
-        if self.program is None or self.prices is None:
-            return None
-        return dual_bound(self.program, self.prices)
+    """Values are an offset plus multiples of this; 0 if that is not known."""
+    root: Evidence | None = None
+    """None if nothing was solved."""

@@ -8,6 +8,7 @@ from msmrta_opt.routing.bound import Bound
 from msmrta_opt.routing.callbacks import Callbacks, SearchState
 from msmrta_opt.routing.incumbent import Progress
 from msmrta_opt.routing.methods import close_in
+from msmrta_opt.routing.parameters import BranchAndCutParameters
 from msmrta_opt.routing.problem import Routes, RoutingData
 from msmrta_opt.routing.stop import StoppingCriterion
 
@@ -36,3 +37,8 @@ class Told(Callbacks):
 
     def bound_raised(self, state: SearchState, proof: str) -> None:
         self.tell(state, proof)
+
+
+def exactly(neighbours: int = 6) -> BranchAndCutParameters:
+    """Parameters with which the root relaxation is solved to its end."""
+    return BranchAndCutParameters(neighbours=neighbours, root_tolerance=1e-6, tailing_off_gain=0.0)

@@ -40,7 +40,7 @@ def merged(weight: Floats, visit: Floats) -> tuple[Floats, Floats, Ints]:
     -------
     weight : array, shape (n_groups + n - m, n_groups + n - m)
     visit : array, shape (n_groups,)
-        The most of any vertex of a group.
+        The maximum over the vertices of a group.
     group : int array, shape (m,)
         Of each vertex.
     """
@@ -62,7 +62,7 @@ def merged(weight: Floats, visit: Floats) -> tuple[Floats, Floats, Ints]:
 
 
 def components(adjacent: Bools) -> Ints:
-    """The least vertex of each vertex's component, ``(n,)``; `adjacent` is symmetric.
+    """The first vertex of each vertex's component, ``(n,)``; `adjacent` is symmetric.
 
     At this size SciPy takes longer to convert the graph than this does to find them.
     """

@@ -1,88 +1,115 @@
 """What proves a root bound, in words that outlive the program: rows by what they are about.
 
-The prices of `bound.Bound`, by the ids of robots and victims, without those that are 0; see
-`mission.proof`.
+Dual values by the ids of robots and victims, without those that are 0; see `mission.proof`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from importlib.metadata import version
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ...arrays import Bools
+from ...arrays import Bools, Floats
 from ...mission.instance import Instance
 from ...mission.proof import RootProof
-from ..bound import Bound
+from ...optimise.check import dual_bound
+from ...optimise.program import Program
 from ..objective_step import objective_step
-from .edge_formulation import Columns, decisive
+from ..run_highs import highs_version
+from .edge_formulation import EdgeFormulation, decisive
 from .separation import Cut
 
 _DIGITS = 12
-"""Significant digits of a price: any prices prove a bound, these the same one to that precision."""
+"""Significant digits of a dual value: any prove a bound, these the same one to that precision."""
 
 
-def root_proof(instance: Instance, bound: Bound, worth: float) -> RootProof | None:
-    """The proof of the root bound, none if no relaxation was solved.
+@dataclass(frozen=True, eq=False)
+class RootRelaxation:
+    """The root relaxation, whole.
 
-    Parameters
-    ----------
-    instance : Instance
-        With the known victims, in the order of the columns' data.
-    bound : Bound
-        With its root relaxation.
-    worth : float
-        Value of the routes found: no bound is above it.
+    Whoever solves `program` with any solver, or multiplies it with `dual_values` by hand (`bound`),
+    sees what it proves. What branching adds to that rests on the tree; what rounding adds, on the
+    objective's step.
     """
-    columns, prices, root = bound.columns, bound.prices, bound.root()
-    if columns is None or prices is None or root is None or not np.isfinite(root):
-        return None
-    fields: dict[str, list[dict[str, Any]]] = {}
-    n_first = columns.rows[0].shape[0]
-    for (name, about), price in zip(_first_rows(instance, columns), prices[:n_first], strict=True):
-        _note(fields, name, about, price)
-    for cut, price in zip(bound.cuts, prices[n_first:], strict=True):
-        name, about = _cut(instance, cut)
-        _note(fields, name, about, price)
-    grain = objective_step(columns.data, columns.objective)
-    return RootProof.model_validate(
-        {
-            "objective": columns.objective.name,
-            "bound": min(grain.up(root), worth),
-            "solver": f"highs {version('highspy')}",
-            **fields,
-        }
-    )
+
+    formulation: EdgeFormulation
+    cuts: tuple[Cut, ...]
+    dual_values: Floats
+    """Of the formulation's rows, then of `cuts`, ``(n_rows,)``."""
+
+    @cached_property
+    def program(self) -> Program:
+        """The linear program with its cuts."""
+        return self.formulation.program(self.cuts).relaxed()
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Its variables and rows."""
+        return self.program.n_columns, self.program.n_rows
+
+    def bound(self) -> float:
+        """What it proves, worked out from it and its dual values, without a solver."""
+        return dual_bound(self.program, self.dual_values)
+
+    def written(self, instance: Instance, worth: float) -> RootProof | None:
+        """The proof by ids, none if the dual values prove nothing.
+
+        Parameters
+        ----------
+        instance : Instance
+            With the known victims, in the order of the formulation's data.
+        worth : float
+            Value of the routes found: no bound is above it.
+        """
+        bound, formulation = self.bound(), self.formulation
+        if not np.isfinite(bound):
+            return None
+        fields: dict[str, list[dict[str, Any]]] = {}
+        about = [*_first_rows(instance, formulation), *(_cut(instance, cut) for cut in self.cuts)]
+        for (name, ids), value in zip(about, self.dual_values, strict=True):
+            _note(fields, name, ids, value)
+        step = objective_step(formulation.data, formulation.objective)
+        return RootProof.model_validate(
+            {
+                "objective": formulation.objective.name,
+                "bound": min(step.up(bound), worth),
+                "solver": highs_version(),
+                **fields,
+            }
+        )
 
 
 def _note(
-    fields: dict[str, list[dict[str, Any]]], name: str, about: dict[str, Any], price: float
+    fields: dict[str, list[dict[str, Any]]], name: str, about: dict[str, Any], value: float
 ) -> None:
-    if price:
-        fields.setdefault(name, []).append({**about, "price": float(f"{price:.{_DIGITS}g}")})
+    if value:
+        fields.setdefault(name, []).append({**about, "dual": float(f"{value:.{_DIGITS}g}")})
 
 
-def _first_rows(instance: Instance, columns: Columns) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Name of each row of `Columns.rows`, and what it is about, in the same order."""
-    data = columns.data
+def _first_rows(
+    instance: Instance, formulation: EdgeFormulation
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Name of each row of `EdgeFormulation.rows`, and what it is about, in the same order."""
+    data = formulation.data
     robots, victims = [r.id for r in instance.robots], [v.id for v in instance.victims]
     kinds = instance.capabilities
-    for r, v in columns.pairs:
+    for r, v in formulation.pairs:
         yield "degree", {"robot": robots[r], "victim": victims[v]}
     for name in ("leaves", "ends"):
         for robot in robots:
             yield name, {"robot": robot}
-    loads = bool(len(columns.services))
+    loads = bool(len(formulation.services))
     for v, k in np.argwhere(data.required) if loads else decisive(data):
         yield "served", {"victim": victims[v], "kind": kinds[k]}
-    for pair, k in columns.services:
-        r, v = columns.pairs[pair]
+    for pair, k in formulation.services:
+        r, v = formulation.pairs[pair]
         yield "present", {"robot": robots[r], "victim": victims[v], "kind": kinds[k]}
     yield from _of_robots("endurance", robots, np.isfinite(data.endurance))
     yield from _of_robots("walk", robots, np.isfinite(data.longest_walk))
-    if columns.objective.only_last:
+    if formulation.objective.only_last:
         yield from _of_robots("makespan", robots, np.ones(data.n_robots, dtype=bool))
 
 

@@ -101,7 +101,7 @@ class _Graph:
     weight: Floats
     """Of edges, ``(n_groups + 2, n_groups + 2)``, symmetric."""
     visit: Floats
-    """The most of any victim of a group, ``(n_groups,)``."""
+    """The maximum over the victims of a group, ``(n_groups,)``."""
     group: Ints
     """Of each victim, ``(n_victims,)``; -1 where nobody goes."""
 

@@ -1,13 +1,13 @@
-r"""Rows for search trees that leave out answers no better than others; the root does without them.
+r"""Symmetry-breaking rows for search trees: they leave out solutions no better than others.
 
 `own_visits`: a visit serves something. Walking makes that true by itself, since no detour is shorter
 than the direct way; lengths that break the triangle inequality do not.
 
-`in_order`: of answers that differ by the names of equal robots only, or by the direction of a robot
+`in_order`: of solutions that differ by the names of equal robots only, or by the direction of a robot
 that returns, one is enough. In an order of the victims, farthest from the start first, equal robots
 go by the first victim in that order that each visits, and the first victim of a walk that returns
-comes before its last. These rows hold for some best answer, not for each: a tree that is kept to some
-of the columns should do without them.
+comes before its last. These rows hold for some optimum, not for each: a tree that is kept to some
+of the columns should do without them. The root does without any.
 """
 
 from __future__ import annotations
@@ -16,36 +16,33 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...arrays import Floats, Ints
+from ...arrays import Ints
 from ..problem import RoutingData
-from .edge_formulation import Columns
-
-Row = tuple[Ints, Floats, float]
-"""Columns, their weights, and the most that these come to."""
+from .edge_formulation import EdgeFormulation, Row
 
 
-def own_visits(columns: Columns) -> list[Row]:
+def own_visits(formulation: EdgeFormulation) -> list[Row]:
     """No more visitors than there is to be served, where a detour can be shorter."""
-    data = columns.data
+    data = formulation.data
     if not _detours(data):
         return []
-    if not len(columns.services):
+    if not len(formulation.services):
         needed = data.required.sum(axis=1)
         return [
             (pairs, np.ones(len(pairs)), float(needed[v]))
-            for v, pairs in enumerate(_present(column) for column in columns.pair_of.T)
+            for v, pairs in enumerate(_present(column) for column in formulation.pair_of.T)
         ]
-    a = columns.start("a")
+    a = formulation.start("a")
     rows = []
-    for pair in range(columns.n_pairs):
-        served = a + np.flatnonzero(columns.services[:, 0] == pair)
+    for pair in range(formulation.n_pairs):
+        served = a + np.flatnonzero(formulation.services[:, 0] == pair)
         rows.append(_at_most([pair], served))
     return rows
 
 
-def in_order(columns: Columns) -> list[Row]:
-    """One of the answers that differ by equal robots' names or by a walk's direction only."""
-    data = columns.data
+def in_order(formulation: EdgeFormulation) -> list[Row]:
+    """One of the solutions that differ by equal robots' names or by a walk's direction only."""
+    data = formulation.data
     rows = []
     for group in _equal_robots(data):
         order = np.argsort(-data.leave[group[0]], kind="stable")
@@ -55,14 +52,16 @@ def in_order(columns: Columns) -> list[Row]:
             for place, v in enumerate(order):
                 # Two robots never share a victim that needs one kind of help.
                 earlier = order[:place] if alone[v] else order[: place + 1]
-                rows.append(_at_most([columns.pair_of[after, v]], columns.pair_of[before, earlier]))
-    f, last = columns.start("f"), columns.start("l")
+                rows.append(
+                    _at_most([formulation.pair_of[after, v]], formulation.pair_of[before, earlier])
+                )
+    f, last = formulation.start("f"), formulation.start("l")
     for r in range(data.n_robots):
         own = data.can_visit[r]
         if not own.any() or not np.array_equal(data.leave[r, own], data.back[r, own]):
             continue
         order = np.argsort(-data.leave[r], kind="stable")
-        pairs = columns.pair_of[r, order[own[order]]]
+        pairs = formulation.pair_of[r, order[own[order]]]
         rows += [_at_most([last + p], f + pairs[: i + 1]) for i, p in enumerate(pairs)]
     return rows
 
@@ -99,7 +98,7 @@ def _detours(data: RoutingData) -> bool:
 def _equal_robots(data: RoutingData) -> list[list[int]]:
     """Robots that differ by name only, in groups of two and more."""
     groups: list[list[int]] = []
-    parts = (
+    arrays = (
         data.leave,
         data.between,
         data.back,
@@ -109,7 +108,7 @@ def _equal_robots(data: RoutingData) -> list[list[int]]:
     )
     for r in range(data.n_robots):
         for group in groups:
-            if all(np.array_equal(part[group[0]], part[r]) for part in parts):
+            if all(np.array_equal(array[group[0]], array[r]) for array in arrays):
                 group.append(r)
                 break
         else:

@@ -6,6 +6,7 @@ The rounds of `latency_prices.LatencyRoot`, by the ids of robots and victims; se
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
@@ -19,6 +20,20 @@ _PARTS = 10**9
 """Charges are rounded down by up to two such parts of a victim's priority: they never add up to more."""
 _DIGITS = 12
 """Significant digits of a reward: any rewards prove a bound, these the same one to that precision."""
+
+
+@dataclass(frozen=True, eq=False)
+class LatencyEvidence:
+    """What column generation proved before branching."""
+
+    root: LatencyRoot
+    data: RoutingData
+    size: tuple[int, int] = (0, 0)
+    """Its programs are not stored."""
+
+    def written(self, instance: Instance, worth: float) -> LatencyProof:
+        """By the ids of `instance`, for routes worth `worth`."""
+        return latency_proof(instance, self.data, self.root, worth)
 
 
 def latency_proof(

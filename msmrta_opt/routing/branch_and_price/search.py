@@ -38,6 +38,7 @@ from .enumeration import all_paths
 from .master import Master, Path
 from .ng_network import Network
 from .pricing import Generation
+from .root_proof import LatencyEvidence
 from .tasks import Needs
 
 REMEMBERED = 4
@@ -90,7 +91,12 @@ def branch_and_price(
         search = _Run(data, progress, seed, parameters or Parameters())
         search.run()
         root = search.root()
-    return Bound(progress.bound, progress.proof, progress.step.step, latency=root)
+    return Bound(
+        progress.bound,
+        progress.proof,
+        progress.step.step,
+        root=None if root is None else LatencyEvidence(root, data),
+    )
 
 
 @dataclass(order=True)

@@ -1,8 +1,8 @@
-"""Improvement by parts: some robots at a time share out anew, and best, what they serve together.
+"""Fix-and-optimise by robot subsets: some robots at a time share out anew what they serve together.
 
-A few robots make up a small joint problem, which the strong method solves as a rule in a second. Parts
+A few robots make up a small joint problem, which branch and cut solves as a rule in a second. Subsets
 are drawn where the relaxation of the whole is undecided: around robots between which it splits victims.
-Once several of a size in a row are found to be best already, they grow by a robot.
+Once several of a size in a row are found to be optimal already, they grow by a robot.
 
 Source: Taillard and Voss, *POPMUSIC: partial optimization metaheuristic under special intensification
 conditions* (2002).
@@ -11,94 +11,77 @@ conditions* (2002).
 from __future__ import annotations
 
 import random
-import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ...arrays import Floats
-from ..objectives import Objective, objective_of
+from ..incumbent import Progress
+from ..parameters import HeuristicsParameters
 from ..problem import Routes, RoutingData, times
+from ..stop import StoppingCriterion
 
-Solve = Callable[[RoutingData, Routes, float], Routes]
-"""Better routes of a joint problem, given some, within seconds."""
+Solve = Callable[[RoutingData, Routes, StoppingCriterion], Routes]
+"""Better routes of a joint problem, given some."""
 
-FEWEST, MOST = 3, 7
-"""Robots of a part, to begin with and at last."""
-IN_VAIN = 10
-"""Draws in a row that bring nothing, after which parts grow."""
-LONGEST, SHARE = 10.0, 0.25
-"""Seconds for a part, and the share of all seconds."""
 _FAR = 1e-3
 """Weight of robots between which nothing is split."""
 _BETTER = 1e-6
 
 
-def improve_by_parts(
-    data: RoutingData,
-    objective: str | Objective,
-    routes: Routes,
-    split: Floats,
+def improve_robot_subsets(
+    progress: Progress,
+    shared: Floats,
     solve: Solve,
     *,
-    seconds: float,
+    stop: StoppingCriterion,
     seed: int = 0,
-    improved: Callable[[Routes], object] = lambda routes: None,
-    should_stop: Callable[[], bool] = lambda: False,
-) -> Routes:
-    """Routes at least as good as `routes`.
+    parameters: HeuristicsParameters | None = None,
+) -> None:
+    """Offer `progress` better routes, whenever some subset of its robots finds some.
 
     Parameters
     ----------
-    data : RoutingData
-        The joint problem.
-    objective : str or Objective
-        What to minimise.
-    routes : Routes
-        Feasible routes to begin with.
-    split : array, shape (n_robots, n_robots)
+    progress : Progress
+        The joint problem and its incumbent.
+    shared : array, shape (n_robots, n_robots)
         How much two robots may have to share out between them; 0 or more, symmetric.
     solve : callable
-        Solves a part.
-    seconds : float
-        Wall time to spend.
+        Solves the joint problem of a subset.
+    stop : StoppingCriterion
+        When to end.
     seed : int
         Of the draws.
-    improved : callable
-        Called with routes whenever some part of them got better.
-    should_stop : callable
-        Asked before each part.
+    parameters : HeuristicsParameters, optional
+        How large subsets are.
     """
-    objective = objective_of(objective)
+    tuning = parameters or HeuristicsParameters()
+    data, objective, routes = progress.data, progress.objective, progress.routes
     rng = random.Random(seed)
-    until = time.monotonic() + seconds
+    seconds = min(tuning.subset_seconds, tuning.subset_share * stop.seconds_left())
     known: set[frozenset[int]] = set()
-    size, in_vain = FEWEST, 0
-    while size < min(MOST + 1, data.n_robots) and not should_stop():
-        left = until - time.monotonic()
-        if left <= 0:
-            break
-        if in_vain == IN_VAIN:
-            size, in_vain = size + 1, 0
+    size, failures = tuning.smallest_subset, 0
+    while size < min(tuning.largest_subset + 1, data.n_robots) and not stop.met():
+        if failures == tuning.subset_failures:
+            size, failures = size + 1, 0
             continue
-        in_vain += 1
+        failures += 1
         first = _busiest(data, routes) if objective.only_last else None
-        robots = _draw(split, size, rng, first)
+        robots = _draw(shared, size, rng, first)
         key = frozenset(robots)
-        part, own, victims = part_of(data, routes, robots)
+        subset, own, victims = subset_of(data, routes, robots)
         if key in known or not victims:
             continue
         known.add(key)
-        found = solve(part, own, min(left, LONGEST, SHARE * seconds))
-        if objective.value(part, found) < objective.value(part, own) - _BETTER:
-            routes, in_vain = put_back(routes, robots, found, victims), 0
-            improved(routes)
+        found = solve(subset, own, stop.within(seconds))
+        if objective.value(subset, found) < objective.value(subset, own) - _BETTER:
+            routes, failures = put_back(routes, robots, found, victims), 0
+            progress.offer(routes)
             # What was best beside the old routes need not be beside the new.
             known = {other for other in known if not other & key} | {key}
-    return routes
 
 
-def part_of(
+def subset_of(
     data: RoutingData, routes: Routes, robots: Sequence[int]
 ) -> tuple[RoutingData, Routes, list[int]]:
     """The joint problem of some robots, of what they serve: it, their routes, and its victims."""
@@ -110,7 +93,7 @@ def part_of(
     own = np.array(robots)
     victims = np.flatnonzero(able[own].any(axis=(0, 2)))
     place = {int(v): i for i, v in enumerate(victims)}
-    part = RoutingData(
+    subset = RoutingData(
         leave=data.leave[np.ix_(own, victims)],
         between=data.between[np.ix_(own, victims, victims)],
         back=data.back[np.ix_(own, victims)],
@@ -121,24 +104,24 @@ def part_of(
         longest_walk=data.longest_walk[own],
     )
     theirs = tuple(tuple((place[v], kinds) for v, kinds in routes[r]) for r in robots)
-    return part, theirs, victims.tolist()
+    return subset, theirs, victims.tolist()
 
 
 def put_back(
     routes: Routes, robots: Sequence[int], found: Routes, victims: Sequence[int]
 ) -> Routes:
-    """The routes of all robots, with those that were found for a part."""
+    """The routes of all robots, with those that were found for a subset."""
     whole = list(routes)
     for r, route in zip(robots, found, strict=True):
         whole[r] = tuple((victims[v], kinds) for v, kinds in route)
     return tuple(whole)
 
 
-def _draw(split: Floats, size: int, rng: random.Random, first: int | None) -> list[int]:
+def _draw(shared: Floats, size: int, rng: random.Random, first: int | None) -> list[int]:
     """Robots between which much is split, one of them `first` if it is given."""
-    robots = range(len(split))
-    # Roots, lest two robots that are alike, and share all they do, be in every part.
-    weight = np.sqrt(split) + _FAR
+    robots = range(len(shared))
+    # Roots, lest two robots that are alike, and share all they do, be in every subset.
+    weight = np.sqrt(shared) + _FAR
     if first is None:
         first = rng.choices(robots, weight.sum(axis=1).tolist())[0]
     chosen = [first]

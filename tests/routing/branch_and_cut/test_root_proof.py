@@ -25,8 +25,7 @@ from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.planners.support.explicit_model import problem_of
 from msmrta_opt.planners.support.improvement import routes_of
 from msmrta_opt.routing import second_solver as second_opinion
-from msmrta_opt.routing.bound import Bound
-from msmrta_opt.routing.branch_and_cut.root_proof import root_proof
+from msmrta_opt.routing.branch_and_cut.root_proof import RootRelaxation
 from msmrta_opt.routing.second_solver import arrays, other_solver, root_again
 from msmrta_opt.routing.stop import MaximumRuntime
 
@@ -40,7 +39,7 @@ CASES: list[tuple[str, dict[str, Any]]] = [
 
 
 @cache
-def solved(case: int) -> tuple[Plan, Bound, RootProof, Relaxation]:
+def solved(case: int) -> tuple[Plan, RootRelaxation, RootProof, Relaxation]:
     """Four robots and nine victims; ids differ from positions."""
     objective, limits = CASES[case]
     mission = random_mission(read_map(MAPS / "map2.map"), 4, 9, seed=5)
@@ -53,33 +52,33 @@ def solved(case: int) -> tuple[Plan, Bound, RootProof, Relaxation]:
     data = problem_of(plan)
     _, bound = closed_in(data, objective, routes_of(plan), MaximumRuntime(2))
     value = worth(plan, objective)
-    proof = root_proof(plan.known, bound, float(value))
-    assert proof is not None
-    return plan, bound, proof, relaxation(Joint.of(plan), proof, value)
+    assert bound.root is not None
+    proof = bound.root.written(plan.known, float(value))
+    assert isinstance(proof, RootProof)
+    assert isinstance(bound.root, RootRelaxation)
+    return plan, bound.root, proof, relaxation(Joint.of(plan), proof, value)
 
 
 @pytest.mark.parametrize("case", range(len(CASES)))
-def test_the_stored_prices_prove_what_the_planner_says_they_do(case: int) -> None:
-    _, bound, proof, written = solved(case)
-    root = bound.root()
-    assert root is not None
-    # What the planner subtracts for rounding, and what prices lose to twelve digits.
+def test_the_stored_dual_values_prove_what_the_planner_says_they_do(case: int) -> None:
+    _, solution, proof, written = solved(case)
+    root = solution.bound()
+    # What the planner subtracts for rounding, and what dual values lose to twelve digits.
     assert float(written.bound()) == pytest.approx(root, rel=1e-7)
     assert proof.bound >= root - 1e-6
 
 
 @pytest.mark.parametrize("case", range(len(CASES)))
 def test_the_relaxation_written_out_again_is_no_stronger_than_the_planners(case: int) -> None:
-    """Solved whole, with the cuts that have prices, both have the same least value."""
-    _, bound, _, written = solved(case)
-    assert bound.program is not None
-    ours = solve_program(bound.program, solver="highs").objective
+    """Solved whole, with the cuts that have dual values, both have the same least value."""
+    _, root, _, written = solved(case)
+    ours = solve_program(root.program, solver="highs").objective
     again = solve_program(arrays(written), solver="highs").objective
     assert ours == pytest.approx(again, rel=1e-6)
 
 
 @pytest.mark.parametrize("case", range(len(CASES)))
-def test_another_solver_finds_at_least_what_the_prices_prove(case: int) -> None:
+def test_another_solver_finds_at_least_what_the_dual_values_prove(case: int) -> None:
     _, _, _, written = solved(case)
     for name in ("glpk", "scip"):
         if not get(name).installed:
@@ -91,18 +90,12 @@ def test_another_solver_finds_at_least_what_the_prices_prove(case: int) -> None:
         assert solution.objective >= float(written.bound()) - 1e-6
 
 
-def test_prices_of_nothing_are_not_stored() -> None:
-    _, bound, proof, _ = solved(0)
-    assert bound.prices is not None
+def test_dual_values_of_nothing_are_not_stored() -> None:
+    _, root, proof, _ = solved(0)
     stored = proof.model_dump().values()
-    prices = [item["dual"] for part in stored if isinstance(part, tuple) for item in part]
-    assert len(prices) == np.count_nonzero(bound.prices)
-    assert 0 not in prices
-
-
-def test_a_bound_without_a_relaxation_has_no_proof_to_store() -> None:
-    plan, *_ = solved(0)
-    assert root_proof(plan.known, Bound(3.0, "combinatorial"), 5.0) is None
+    duals = [item["dual"] for part in stored if isinstance(part, tuple) for item in part]
+    assert len(duals) == np.count_nonzero(root.dual_values)
+    assert 0 not in duals
 
 
 def test_the_solver_that_made_the_bound_is_not_asked_about_it() -> None:

@@ -13,12 +13,12 @@ from support.searches import Told, closed_in
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.optimise.check import dual_bound
 from msmrta_opt.routing.bound import Bound
-from msmrta_opt.routing.branch_and_cut import search as strong
-from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
-from msmrta_opt.routing.branch_and_cut.extraction import routes_of
-from msmrta_opt.routing.branch_and_cut.highs_tree import resolve
-from msmrta_opt.routing.branch_and_cut.scip_tree import solve
+from msmrta_opt.routing.branch_and_cut import tree
+from msmrta_opt.routing.branch_and_cut.edge_formulation import EdgeFormulation
+from msmrta_opt.routing.branch_and_cut.points import point_of, routes_of
+from msmrta_opt.routing.branch_and_cut.root_proof import RootRelaxation
 from msmrta_opt.routing.branch_and_cut.search import branch_and_cut
+from msmrta_opt.routing.branch_and_cut.tree import Subproblem, search_tree
 from msmrta_opt.routing.callbacks import SearchState
 from msmrta_opt.routing.incumbent import Progress
 from msmrta_opt.routing.objectives import OBJECTIVES, value
@@ -26,21 +26,22 @@ from msmrta_opt.routing.problem import Routes, RoutingData, faults
 from msmrta_opt.routing.stop import Interruption, MaximumRuntime, RelativeGap, relative_gap
 
 BOTH = ("total_time", "makespan")
-TREES = {"SCIP": solve, "HiGHS": resolve}
+TREES = {"SCIP": True, "HiGHS": False}
 
 
 def holds(data: RoutingData, objective: str, routes: Routes, bound: Bound) -> None:
     """What must be true whenever it stops."""
     assert faults(data, routes) == []
     assert bound.value <= value(data, routes, objective) + 1e-9
-    if bound.program is not None and bound.prices is not None:
-        assert bound.root() == dual_bound(bound.program, bound.prices)
-        assert bound.root() <= bound.value + bound.step + 1e-6
+    if bound.root is not None:
+        assert isinstance(bound.root, RootRelaxation)
+        assert bound.root.bound() == dual_bound(bound.root.program, bound.root.dual_values)
+        assert bound.root.bound() <= bound.value + bound.step + 1e-6
 
 
 @pytest.mark.parametrize("objective", BOTH)
 @pytest.mark.parametrize("seed", range(8))
-def test_answers_and_bounds_equal_brute_force(seed: int, objective: str) -> None:
+def test_solutions_and_bounds_equal_brute_force(seed: int, objective: str) -> None:
     data = small_mission(seed, 3, 6, map_number=(0, 2, 3)[seed % 3])
     routes, bound = closed_in(data, objective, any_routes(data))
     optimum = least(data, objective)
@@ -49,22 +50,20 @@ def test_answers_and_bounds_equal_brute_force(seed: int, objective: str) -> None
     holds(data, objective, routes, bound)
 
 
-@pytest.mark.parametrize("tree", TREES)
+@pytest.mark.parametrize("has_scip", TREES.values(), ids=TREES)
 @pytest.mark.parametrize("objective", BOTH)
 @pytest.mark.parametrize("seed", range(4))
-def test_either_tree_alone_proves_the_optimum(seed: int, objective: str, tree: str) -> None:
+def test_either_tree_alone_proves_the_optimum(
+    seed: int, objective: str, has_scip: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tree, "has_scip", lambda: has_scip)
     data = small_mission(seed, 2, 6)
     optimum = least(data, objective)
     most = value(data, any_routes(data), objective)
-    columns = Columns.of(data, objective, most)
+    formulation = EdgeFormulation.of(data, objective, most)
     found: list[Routes] = []
-    outcome = TREES[tree](
-        columns,
-        (),
-        np.zeros(columns.n_columns),
-        columns.upper,
-        best=most,
-        time_limit=60.0,
+    outcome = search_tree(
+        Subproblem(formulation, np.zeros(formulation.n_columns), formulation.upper, most),
         improved=found.append,
     )
     assert outcome.complete
@@ -73,19 +72,17 @@ def test_either_tree_alone_proves_the_optimum(seed: int, objective: str, tree: s
     assert min([most, *worth]) == pytest.approx(optimum)
 
 
-@pytest.mark.parametrize("tree", TREES)
-def test_a_tree_that_is_asked_for_better_than_the_optimum_says_there_is_nothing(tree: str) -> None:
+@pytest.mark.parametrize("has_scip", TREES.values(), ids=TREES)
+def test_a_tree_that_is_asked_for_better_than_the_optimum_says_there_is_nothing(
+    has_scip: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tree, "has_scip", lambda: has_scip)
     data = small_mission(1, 2, 6)
     optimum = least(data, "total_time")
-    columns = Columns.of(data, "total_time", optimum)
+    formulation = EdgeFormulation.of(data, "total_time", optimum)
     found: list[Routes] = []
-    outcome = TREES[tree](
-        columns,
-        (),
-        np.zeros(columns.n_columns),
-        columns.upper,
-        best=optimum,
-        time_limit=60.0,
+    outcome = search_tree(
+        Subproblem(formulation, np.zeros(formulation.n_columns), formulation.upper, optimum),
         improved=found.append,
     )
     assert outcome.complete
@@ -97,7 +94,7 @@ def test_a_tree_that_is_asked_for_better_than_the_optimum_says_there_is_nothing(
 def test_without_scip_the_method_proves_the_same(
     objective: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(strong, "search_tree", lambda: resolve)
+    monkeypatch.setattr(tree, "has_scip", lambda: False)
     data = small_mission(5, 3, 6)
     routes, bound = closed_in(data, objective, any_routes(data))
     assert bound.value == pytest.approx(least(data, objective))
@@ -152,7 +149,7 @@ def test_a_stop_at_any_moment_leaves_a_plan_and_a_bound_that_holds(
         assert bound.value <= optimum + 1e-9
 
 
-def test_reports_only_ever_get_better_and_end_with_the_answer() -> None:
+def test_reports_only_ever_get_better_and_end_with_the_solution() -> None:
     data = small_mission(4, 3, 10)
     told: list[tuple[float, float]] = []
     routes, bound = closed_in(
@@ -206,14 +203,14 @@ def test_routes_and_points_are_each_other_s_images(objective: str) -> None:
     for seed in range(5):
         data = small_mission(seed, 3, 7)
         routes = any_routes(data)
-        columns = Columns.of(data, objective, 1e6)
-        x = columns.point(routes)
-        program = columns.program([])
+        formulation = EdgeFormulation.of(data, objective, 1e6)
+        x = point_of(formulation, routes)
+        program = formulation.program([])
         activity = program.matrix @ x
         assert (activity >= program.row_lower - 1e-9).all()
         assert (activity <= program.row_upper + 1e-9).all()
         assert program.value(x) == pytest.approx(value(data, routes, objective))
-        back = routes_of(columns, x)
+        back = routes_of(formulation, x)
         assert back is not None
         assert faults(data, back) == []
         # Visits that the program can do without are left out.

@@ -1,4 +1,4 @@
-"""Rows that leave out answers no better than others leave a best one, against brute force."""
+"""Rows that leave out solutions no better than others leave a best one, against brute force."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from support.joint_cases import any_routes, on_a_line
 from support.joint_oracle import least
 from support.searches import closed_in
 
-from msmrta_opt.routing.branch_and_cut import search as strong
-from msmrta_opt.routing.branch_and_cut.edge_formulation import Columns
-from msmrta_opt.routing.branch_and_cut.highs_tree import resolve
-from msmrta_opt.routing.branch_and_cut.symmetry import Row, in_order, own_visits
+from msmrta_opt.routing.branch_and_cut import tree
+from msmrta_opt.routing.branch_and_cut.edge_formulation import EdgeFormulation, Row
+from msmrta_opt.routing.branch_and_cut.points import point_of
+from msmrta_opt.routing.branch_and_cut.symmetry import in_order, own_visits
 from msmrta_opt.routing.objectives import value
 from msmrta_opt.routing.problem import RoutingData, faults
 
@@ -49,18 +49,17 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize("tree", ["SCIP", "HiGHS"])
+@pytest.mark.parametrize("has_scip", [True, False], ids=["SCIP", "HiGHS"])
 @pytest.mark.parametrize(("seed", "kinds", "returns", "detours"), CASES)
 def test_the_longest_walk_of_equal_robots_is_proven_even_where_detours_are_shorter(
     seed: int,
     kinds: int,
     returns: bool,
     detours: bool,
-    tree: str,
+    has_scip: bool,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    if tree == "HiGHS":
-        monkeypatch.setattr(strong, "search_tree", lambda: resolve)
+    monkeypatch.setattr(tree, "has_scip", lambda: has_scip)
     data = equal_robots(seed, kinds=kinds, returns=returns, detours=detours)
     routes, bound = closed_in(data, "makespan", any_routes(data))
     assert faults(data, routes) == []
@@ -82,30 +81,32 @@ def test_the_total_time_of_equal_robots_is_bounded_and_met_where_one_kind_is_nee
 
 
 def kept(rows: list[Row], x: np.ndarray) -> bool:
-    return all(weight @ x[column] <= most + 1e-9 for column, weight, most in rows)
+    return all(weight @ x[column] <= maximum + 1e-9 for column, weight, maximum in rows)
 
 
-def line(objective: str = "makespan") -> Columns:
+def line(objective: str = "makespan") -> EdgeFormulation:
     """Two equal robots at 0 that return, victims at 1, 2 and 4, one kind."""
     data = on_a_line([0, 0], [1, 2, 4], [[[True]] * 3] * 2, returns=True)
-    return Columns.of(data, objective, 100.0)
+    return EdgeFormulation.of(data, objective, 100.0)
 
 
 def test_of_two_equal_robots_the_first_takes_the_farthest_victim() -> None:
-    columns = line()
-    first = columns.point((((2, (0,)),), ((0, (0,)), (1, (0,)))))
-    second = columns.point((((0, (0,)), (1, (0,))), ((2, (0,)),)))
-    rows = in_order(columns)
+    formulation = line()
+    first = point_of(formulation, (((2, (0,)),), ((0, (0,)), (1, (0,)))))
+    second = point_of(formulation, (((0, (0,)), (1, (0,))), ((2, (0,)),)))
+    rows = in_order(formulation)
     assert not kept(rows, second)
-    assert kept(rows, first) or kept(rows, columns.point((((2, (0,)),), ((1, (0,)), (0, (0,))))))
+    assert kept(rows, first) or kept(
+        rows, point_of(formulation, (((2, (0,)),), ((1, (0,)), (0, (0,)))))
+    )
 
 
 def test_of_two_directions_the_one_that_begins_farther_away_is_kept() -> None:
-    columns = line()
-    there = columns.point((((0, (0,)), (1, (0,)), (2, (0,))), ()))
-    back = columns.point((((2, (0,)), (1, (0,)), (0, (0,))), ()))
-    assert kept(in_order(columns), there) is False
-    assert kept(in_order(columns), back) is True
+    formulation = line()
+    there = point_of(formulation, (((0, (0,)), (1, (0,)), (2, (0,))), ()))
+    back = point_of(formulation, (((2, (0,)), (1, (0,)), (0, (0,))), ()))
+    assert kept(in_order(formulation), there) is False
+    assert kept(in_order(formulation), back) is True
 
 
 @pytest.mark.parametrize("objective", ["total_time", "makespan"])
@@ -115,4 +116,4 @@ def test_walking_needs_no_rows_against_visits_for_nothing(objective: str) -> Non
 
 def test_robots_that_differ_and_stay_are_not_put_in_order() -> None:
     data = on_a_line([0, 5], [1, 2, 4], [[[True]] * 3] * 2)
-    assert in_order(Columns.of(data, "makespan", 100.0)) == []
+    assert in_order(EdgeFormulation.of(data, "makespan", 100.0)) == []

@@ -1,4 +1,4 @@
-"""Local search: never worse, always feasible, and the optimum where every answer can be tried."""
+"""Ruin and recreate: never worse, always feasible, and the optimum where every solution can be tried."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from support.joint_random import first_come, limited, random_data
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance
@@ -20,50 +21,7 @@ from msmrta_opt.stages.joint_routing import routing_data
 from msmrta_opt.stages.situation import Situation
 
 
-def random_data(
-    seed: int, n_robots: int, n_victims: int, n_needs: int, *, back: bool = False
-) -> RoutingData:
-    """Robots and victims on a plane, walking along its axes; `n_needs` requirements of 3 kinds."""
-    random = np.random.RandomState(seed)
-    start, place = random.randint(0, 12, (n_robots, 2)), random.randint(0, 12, (n_victims, 2))
-    speed = random.choice([0.5, 1.0, 2.0], n_robots)
-    leave = np.abs(start[:, None] - place).sum(axis=2) / speed[:, None]
-    between = np.abs(place[:, None] - place).sum(axis=2) / speed[:, None, None]
-    needed = np.zeros(n_victims * 3, dtype=bool)
-    needed[random.choice(needed.size, n_needs, replace=False)] = True
-    has = random.random_sample((n_robots, 3)) < 0.6
-    has[random.randint(n_robots, size=3), range(3)] = True
-    return RoutingData(
-        leave=leave,
-        between=between,
-        back=leave if back else np.zeros_like(leave),
-        service=random.randint(0, 9, (n_victims, 3)).astype(float),
-        able=has[:, None, :] & needed.reshape(n_victims, 3)[None],
-        priority=random.randint(0, 4, n_victims).astype(float),
-        endurance=np.full(n_robots, np.inf),
-        longest_walk=np.full(n_robots, np.inf),
-    )
-
-
-def limited(data: RoutingData, endurance: float, longest_walk: float) -> RoutingData:
-    """The same with the limits given."""
-    arrays = {name: getattr(data, name) for name in RoutingData.__dataclass_fields__}
-    n = data.n_robots
-    limits = {"endurance": np.full(n, endurance), "longest_walk": np.full(n, longest_walk)}
-    return RoutingData(**{**arrays, **limits})
-
-
-def first_come(data: RoutingData) -> Routes:
-    """Routes without thought: each requirement by the first robot that can, victims in order."""
-    routes = []
-    for r in range(data.n_robots):
-        mine = data.able[r] & ~data.able[:r].any(axis=0)
-        visits = ((v, tuple(int(k) for k in np.flatnonzero(mine[v]))) for v in range(len(mine)))
-        routes.append(tuple((v, kinds) for v, kinds in visits if kinds))
-    return tuple(routes)
-
-
-def every_answer(data: RoutingData) -> Iterator[Routes]:
+def every_solution(data: RoutingData) -> Iterator[Routes]:
     """Every way to share out the requirements, in every order."""
     needs = [(int(v), int(k)) for v, k in np.argwhere(data.required)]
     for who in itertools.product(*(np.flatnonzero(data.able[:, v, k]) for v, k in needs)):
@@ -98,25 +56,25 @@ def worths(data: RoutingData, routes: Routes) -> tuple[dict[str, float], list[fl
 @pytest.mark.parametrize("seed", range(6))
 def test_the_optimum_of_tiny_missions_is_found_for_every_objective(seed: int, back: bool) -> None:
     data = random_data(seed, 2, 4, 6, back=back)
-    answers = [worths(data, routes)[0] for routes in every_answer(data)]
+    solutions = [worths(data, routes)[0] for routes in every_solution(data)]
     for objective in OBJECTIVES:
         found = ruin_and_recreate(
             data, first_come(data), objective, stop=MaximumIterations(1500), seed=seed
         )
-        best = min(answer[objective] for answer in answers)
+        best = min(solution[objective] for solution in solutions)
         assert worths(data, found)[0][objective] == pytest.approx(best)
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_optimum_is_found_within_limits(seed: int) -> None:
     free = random_data(seed, 2, 4, 6, back=True)
-    answers = list(every_answer(free))
-    # The least makespan is a limit that some answers keep, and most do not.
-    start = min(answers, key=lambda routes: worths(free, routes)[0]["makespan"])
+    solutions = list(every_solution(free))
+    # The least makespan is a limit that some solutions keep, and most do not.
+    start = min(solutions, key=lambda routes: worths(free, routes)[0]["makespan"])
     makespan = worths(free, start)[0]["makespan"]
     data = limited(free, 1.1 * makespan, makespan)
-    kept = [worth for worth, beyond in (worths(data, r) for r in answers) if max(beyond) <= 1e-9]
-    assert 0 < len(kept) < len(answers)
+    kept = [worth for worth, beyond in (worths(data, r) for r in solutions) if max(beyond) <= 1e-9]
+    assert 0 < len(kept) < len(solutions)
     for objective in OBJECTIVES:
         found = ruin_and_recreate(data, start, objective, stop=MaximumIterations(1500), seed=seed)
         best = min(worth[objective] for worth in kept)
@@ -151,7 +109,7 @@ def test_the_same_seed_gives_the_same_routes(objective: str) -> None:
 
 def test_routes_that_are_optimal_come_back_as_they_are() -> None:
     data = random_data(0, 2, 4, 6)
-    best = min(every_answer(data), key=lambda routes: worths(data, routes)[0]["total_time"])
+    best = min(every_solution(data), key=lambda routes: worths(data, routes)[0]["total_time"])
     assert ruin_and_recreate(data, best, stop=MaximumIterations(100)) == best
 
 

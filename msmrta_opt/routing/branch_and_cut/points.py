@@ -1,4 +1,4 @@
-"""From points of the program back to routes, and to each robot's part of a point."""
+"""Points of the edge formulation and routes, each from the other; and each robot's part of a point."""
 
 from __future__ import annotations
 
@@ -6,51 +6,73 @@ import numpy as np
 
 from ...arrays import Floats
 from ..problem import Routes, RoutingData, Visit
-from .edge_formulation import Columns
+from .edge_variables import EdgeVariables
 from .separation import Support
 
 _TINY = 1e-9
 
 
-def point_supports(columns: Columns, x: Floats) -> list[Support]:
+def point_of(variables: EdgeVariables, routes: Routes) -> Floats:
+    """The variables' values on `routes`, ``(n_columns,)``."""
+    x = np.zeros(variables.n_columns)
+    y, f, last, a, e = (variables.start(name) for name in "yflae")
+    service, edge = variables.service_place, variables.edge_place
+    for r, route in enumerate(routes):
+        for (v, kinds), onward in zip(route, [*route[1:], None], strict=False):
+            pair = int(variables.pair_of[r, v])
+            x[y + pair] = 1.0
+            for k in kinds:
+                if service:
+                    x[a + service[pair, k]] = 1.0
+            if onward is not None:
+                x[e + edge[r, min(v, onward[0]), max(v, onward[0])]] = 1.0
+        if route:
+            x[f + variables.pair_of[r, route[0][0]]] = 1.0
+            x[last + variables.pair_of[r, route[-1][0]]] = 1.0
+    if variables.objective.only_last:
+        x[variables.start("T")] = variables.objective.value(variables.data, routes)
+    return x
+
+
+def point_supports(variables: EdgeVariables, x: Floats) -> list[Support]:
     """The point `x`, ``(n_columns,)``, of each robot that moves in it."""
-    shape = columns.data.can_visit.shape
-    robot, victim = columns.pairs.T
+    shape = variables.data.can_visit.shape
+    robot, victim = variables.pairs.T
     planes = []
     for name in "yfl":
         plane = np.zeros(shape)
-        plane[robot, victim] = x[columns.start(name) :][: columns.n_pairs]
+        plane[robot, victim] = x[variables.start(name) :][: variables.n_pairs]
         planes.append(plane)
-    weight = x[columns.start("e") :]
+    weight = x[variables.start("e") :]
     supports = []
-    for r, slice_ in enumerate(columns.edge_of_robot):
+    for r, slice_ in enumerate(variables.edge_of_robot):
         if not planes[0][r].any():
             continue
         used = np.flatnonzero(weight[slice_] > _TINY) + slice_.start
-        ends = columns.edges[used]
+        ends = variables.edges[used]
         y, first, last = (plane[r] for plane in planes)
         supports.append(Support(r, y, first, last, ends[:, 1], ends[:, 2], weight[used]))
     return supports
 
 
-def routes_of(columns: Columns, x: Floats) -> Routes | None:
+def routes_of(variables: EdgeVariables, x: Floats) -> Routes | None:
     """The routes of an integral point, ``(n_columns,)``; none if its edges are not paths.
 
     Visits that serve nothing are left out. Where the program does not say who serves what, the
     first able visitor does.
     """
-    data = columns.data
+    data = variables.data
     order: list[list[int]] = [[] for _ in range(data.n_robots)]
-    for support in point_supports(columns, x):
+    for support in point_supports(variables, x):
         path = _path(support)
         if path is None:
             return None
         order[support.robot] = path
     visits: list[dict[int, list[int]]] = [{} for _ in range(data.n_robots)]
-    if len(columns.services):
-        chosen = columns.services[x[columns.start("a") :][: len(columns.services)] > 0.5]
+    if len(variables.services):
+        chosen = variables.services[x[variables.start("a") :][: len(variables.services)] > 0.5]
         for pair, k in chosen:
-            r, v = columns.pairs[pair]
+            r, v = variables.pairs[pair]
             visits[r].setdefault(int(v), []).append(int(k))
     else:
         visits = _share(data, order)

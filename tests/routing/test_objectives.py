@@ -1,0 +1,91 @@
+"""The table of objectives: one entry is all that a new objective needs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import fields, replace
+
+import pytest
+from support.joint_cases import any_routes, on_a_line, small_mission
+from support.joint_oracle import least
+from support.joint_random import first_come, random_data
+from support.searches import closed_in
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.metrics import Metrics
+from msmrta_opt.optimise.registry import get
+from msmrta_opt.routing.heuristics.ruin_and_recreate import ruin_and_recreate
+from msmrta_opt.routing.methods import METHODS
+from msmrta_opt.routing.objectives import OBJECTIVES, objective_of, value
+from msmrta_opt.routing.stop import MaximumIterations
+
+
+@pytest.mark.parametrize("name", OBJECTIVES)
+def test_what_an_entry_names_exists(name: str) -> None:
+    entry = OBJECTIVES[name]
+    assert entry.name == name in {item.name for item in fields(Metrics)}
+    assert entry.method in METHODS
+    formulation, parameters = entry.model
+    spec = get(formulation).spec
+    assert spec.stage == "routing"
+    assert set(parameters) <= set(spec.parameters)
+
+
+@pytest.mark.parametrize("name", OBJECTIVES)
+def test_its_bound_at_once_is_below_every_solution(name: str) -> None:
+    for seed in range(20):
+        data = random_data(seed, 2, 3, 5)
+        assert 0 <= OBJECTIVES[name].bound(data) <= least(data, name) + 1e-9
+
+
+def test_an_objective_that_is_none_is_refused_with_those_there_are() -> None:
+    for wrong in ("duration", None, 3):
+        with pytest.raises(InputError, match=r"objective: .*; give one of total_time, makespan"):
+            objective_of(wrong)
+
+
+def test_one_entry_is_enough_for_every_search() -> None:
+    """The same as the makespan under another name, and half of it under a third."""
+    makespan = OBJECTIVES["makespan"]
+    data = small_mission(1, 3, 6)
+    own = replace(makespan, name="own")
+    routes, bound = closed_in(data, own, any_routes(data))
+    assert bound.value == pytest.approx(least(data, "makespan"))
+    assert value(data, routes, own) == pytest.approx(bound.value)
+    found = ruin_and_recreate(data, any_routes(data), own, stop=MaximumIterations(200))
+    same = ruin_and_recreate(data, any_routes(data), "makespan", stop=MaximumIterations(200))
+    assert found == same
+
+
+def test_an_objective_of_ones_own_steers_local_search() -> None:
+    """The square of each robot's time: by hand, two robots at 0 and victims at 3 and 4 share them."""
+    squares = replace(
+        OBJECTIVES["total_time"],
+        name="squares",
+        of_times=lambda busy, completion, priority: sum(time**2 for time in busy),
+    )
+    data = on_a_line([0, 0], [3, 4], [[[True], [True]]] * 2, returns=True)
+    together = (((0, (0,)), (1, (0,))), ())
+    assert value(data, together, squares) == 64
+    found = ruin_and_recreate(data, together, squares, stop=MaximumIterations(200))
+    assert value(data, found, squares) == 64
+    apart = (((0, (0,)),), ((1, (0,)),))
+    assert value(data, apart, squares) == 36 + 64
+    line = on_a_line([0, 10], [3, 7], [[[True], [True]]] * 2)
+    one = (((0, (0,)), (1, (0,))), ())
+    assert value(line, one, squares) == 49
+    found = ruin_and_recreate(line, one, squares, stop=MaximumIterations(200))
+    assert value(line, found, squares) == 9 + 9
+
+
+def test_the_search_starts_from_any_routes() -> None:
+    data = random_data(3, 3, 8, 12)
+    for name in OBJECTIVES:
+        found = ruin_and_recreate(data, first_come(data), name, stop=MaximumIterations(100))
+        assert value(data, found, name) <= value(data, first_come(data), name)
+
+
+def test_the_table_is_read_without_numpy() -> None:
+    code = "import sys, msmrta_opt.routing.objectives; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
