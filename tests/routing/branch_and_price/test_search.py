@@ -190,4 +190,4 @@ def test_a_bound_that_follows_at_once_needs_no_prices() -> None:
         longest_walk=np.full(2, np.inf),
     )
     _, bound = closed_in(data, "latency", (((0, (0,)),), ((1, (0,)),)))
-    assert (bound.value, bound.proof, bound.latency) == (9.0, "combinatorial", None)
+    assert (bound.value, bound.proof, bound.root) == (9.0, "combinatorial", None)
