@@ -1,73 +1,36 @@
-"""Programs as MPS and LP files: what other solvers read in them is what was meant."""
+"""Programs as MPS and LP files: what is read in them is what was written, to the last digit."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import cvxpy as cp
-import highspy
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from support.programs import INF, best_value, problem, program
+from support.programs import INF, problem, program
 
 from msmrta_opt.mission.errors import InputError, ModelError
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.optimise import registry
-from msmrta_opt.optimise.export import (
-    LONGEST,
-    RESERVED,
-    export,
-    legal_name,
-    read_program,
-    write_program,
-)
-from msmrta_opt.optimise.program import Block, Program, Sense
-from msmrta_opt.optimise.solve import solve, solve_program
+from msmrta_opt.optimise.export import export, read_program, write_program
+from msmrta_opt.optimise.formats.written import LONGEST, RESERVED, legal_name
+from msmrta_opt.optimise.program import Block, Program
 from msmrta_opt.stages.data import stage_data
 
 SUFFIXES = (".mps", ".lp")
-LEGAL = re.compile(r"[A-DF-Za-df-z_(),][A-Za-z0-9_.,()]*")
-"""What every reader takes for a name: IBM's rules for LP files, which are the narrowest."""
+LEGAL = re.compile(r"(?!inf|nan)[A-DF-Za-df-z_][A-Za-z0-9_.,()]*")
+"""What every reader takes for a name."""
 
 both_formats = pytest.mark.parametrize("suffix", SUFFIXES)
-
-
-def read_by_highs(path: Path) -> float | None:
-    """The optimum that HiGHS finds in a file, ``None`` if there is no feasible point."""
-    highs = highspy.Highs()
-    highs.setOptionValue("output_flag", False)
-    highs.setOptionValue("mip_rel_gap", 0.0)
-    assert highs.readModel(str(path)) != highspy.HighsStatus.kError, path.read_text()
-    highs.run()
-    if highs.getModelStatus() == highspy.HighsModelStatus.kInfeasible:
-        return None
-    assert highs.getModelStatus() == highspy.HighsModelStatus.kOptimal
-    return float(highs.getObjectiveValue())
-
-
-def read_by_scip(path: Path) -> float | None:
-    """The optimum that SCIP finds in a file, ``None`` if there is no feasible point."""
-    scip = pytest.importorskip("pyscipopt").Model()
-    scip.hideOutput()
-    scip.readProblem(str(path))
-    scip.optimize()
-    if scip.getStatus() == "infeasible":
-        return None
-    assert scip.getStatus() == "optimal"
-    return float(scip.getObjVal())
-
-
-readers = pytest.mark.parametrize("read", [read_by_highs, read_by_scip])
-Reader = Callable[[Path], float | None]
 
 
 def reread(program: Program, suffix: str) -> Program:
@@ -78,32 +41,36 @@ def reread(program: Program, suffix: str) -> Program:
         return read_program(path)
 
 
-def coefficients(program: Program, row: int) -> dict[str, float]:
-    """The terms of a row, by variable."""
-    line = program.matrix[[row]].tocoo()
-    return {
-        program.column_name(int(j)): float(value)
-        for j, value in zip(line.col, line.data, strict=True)
-        if value
-    }
+def assert_same(found: Program, meant: Program) -> None:
+    """Both are the same in everything but names, free rows left out."""
+    kept = np.isfinite(meant.row_lower) | np.isfinite(meant.row_upper)
+    assert (found.sense, found.offset) == (meant.sense, meant.offset)
+    for field in ("cost", "lower", "upper", "integer"):
+        assert np.array_equal(getattr(found, field), getattr(meant, field)), field
+    for field in ("row_lower", "row_upper"):
+        assert np.array_equal(getattr(found, field), getattr(meant, field)[kept]), field
+    assert np.array_equal(found.matrix.toarray(), meant.matrix.toarray()[kept])
 
 
 @st.composite
-def programs(draw: st.DrawFn, *, finite: bool = False, most: int = 4) -> Program:
-    """Small programs with all kinds of bounds, rows and variables; `finite`: pure integer ones."""
-    n_columns, n_rows = draw(st.integers(1, most)), draw(st.integers(0, most))
-    number = st.sampled_from([0.0, 0.0, 0.0, 1.0, 1.0, 2.0, -1.0, -3.0, 1 / 3, -2.5])
+def programs(draw: st.DrawFn) -> Program:
+    """Small programs with all kinds of bounds, rows, variables and numbers."""
+    n_columns, n_rows = draw(st.integers(1, 4)), draw(st.integers(0, 4))
+    few = st.sampled_from(
+        [0.0, 0.0, 0.0, 1.0, 1.0, 2.0, -1.0, -3.0, 1 / 3, -2.5, 1e-7 / 3, 2e14 / 3]
+    )
+    any_ = st.floats(2e-9, 9e14)
+    number = st.one_of(few, few, any_, any_.map(lambda value: -value))
 
     def vector(size: int, values: st.SearchStrategy[Any]) -> NDArray[Any]:
         return np.array(draw(st.lists(values, min_size=size, max_size=size)))
 
-    low, wide = vector(n_columns, st.integers(-3, 3)), vector(n_columns, st.integers(0, 3))
-    at_least, range_ = vector(n_rows, st.integers(-6, 3)), vector(n_rows, st.integers(0, 6))
+    some = st.sampled_from([-3.0, -1.0, 0.0, 0.0, 1 / 3, 2.0, 1e19 / 3])
+    wider = st.sampled_from([0.0, 0.0, 1.0, 2 / 3, 1e-9])
+    low, wide = vector(n_columns, some), vector(n_columns, wider)
+    at_least, range_ = vector(n_rows, some), vector(n_rows, wider)
     sides = vector(n_rows, st.sampled_from(["=", "<", ">", "range", "none"]))
     open_ = vector(n_columns, st.sampled_from(["", "", "low", "high", "free"]))
-    if finite:
-        open_[:] = ""
-    integer = np.ones(n_columns, bool) if finite else vector(n_columns, st.booleans())
     return Program(
         sense=draw(st.sampled_from(["min", "max"])),
         cost=vector(n_columns, number).astype(float),
@@ -115,128 +82,54 @@ def programs(draw: st.DrawFn, *, finite: bool = False, most: int = 4) -> Program
         ).astype(float),
         lower=np.where(np.isin(open_, ["low", "free"]), -INF, low).astype(float),
         upper=np.where(np.isin(open_, ["high", "free"]), INF, low + wide).astype(float),
-        integer=integer.astype(bool),
+        integer=vector(n_columns, st.booleans()).astype(bool),
         columns=(Block("x", 0, (n_columns,)),),
         rows=(Block("row {i}", 0, (n_rows,)),),
     )
 
 
 @both_formats
-@settings(max_examples=60)
+@settings(max_examples=100)
 @given(trial=programs())
-def test_what_is_written_is_read_again(suffix: str, trial: Program) -> None:
+def test_what_is_written_is_read_again_to_the_last_digit(suffix: str, trial: Program) -> None:
     again = reread(trial, suffix)
-
-    assert again.sense == trial.sense
-    assert again.offset == pytest.approx(trial.offset, rel=1e-14)
+    assert_same(again, trial)
     names = [again.column_name(j) for j in range(again.n_columns)]
-    assert sorted(names) == sorted(f"x({j})" for j in range(trial.n_columns))
-    order = [names.index(f"x({j})") for j in range(trial.n_columns)]
-    for field in ("cost", "lower", "upper", "integer"):
-        np.testing.assert_allclose(
-            getattr(again, field)[order].astype(float),
-            getattr(trial, field).astype(float),
-            rtol=1e-14,  # files have 15 digits
-            atol=0.0,
-            err_msg=field,
-        )
-
-    found = {again.row_name(i): i for i in range(again.n_rows)}
-    for i in range(trial.n_rows):
-        terms = {
-            name.replace("[", "(").replace("]", ")"): value
-            for name, value in coefficients(trial, i).items()
-        }
-        low, high = trial.row_lower[i], trial.row_upper[i]
-        if low == -INF and high == INF:
-            continue
-        if terms and max(terms.values()) < 0:  # such rows are turned
-            terms, low, high = {name: -value for name, value in terms.items()}, -high, -low
-        if suffix == ".lp" and -INF < low < high < INF:
-            halves = {f"row_{i}lo": (low, INF), f"row_{i}up": (-INF, high)}
-        else:
-            halves = {f"row_{i}": (low, high)}
-        for name, bounds in halves.items():
-            row = found.pop(name)
-            assert coefficients(again, row) == pytest.approx(terms, rel=1e-14)
-            assert (again.row_lower[row], again.row_upper[row]) == pytest.approx(bounds, rel=1e-14)
-    assert not found
+    assert names == [f"x({j})" for j in range(trial.n_columns)]
+    kept = np.isfinite(trial.row_lower) | np.isfinite(trial.row_upper)
+    rows = [again.row_name(i) for i in range(again.n_rows)]
+    assert rows == [f"row_{i}" for i in np.flatnonzero(kept)]
 
 
-@readers
 @both_formats
-@settings(max_examples=40)
-@given(trial=programs(finite=True))
-def test_other_programs_find_the_optimum_in_the_file(
-    suffix: str, read: Reader, trial: Program
+def test_a_row_of_which_a_file_has_two_comes_back_as_one_and_no_other(
+    suffix: str, tmp_path: Path
 ) -> None:
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / f"trial{suffix}"
-        write_program(trial, path)
-        found = read(path)
-    best = best_value(trial)
-    assert found == (None if best is None else pytest.approx(best, abs=1e-6))
-
-
-def by_hand(sense: Sense) -> Program:
-    """3 a + 2 b - c + d / 2 + 10 with a ≤ 1 binary, b integer, c free, d ≤ -1, and four rows.
-
-    a + b ≤ 4;  1 ≤ b ≤ 3;  c - b = 0.5;  d ≥ -6.  So c = b + 0.5, and the objective is
-    3 a + b + d / 2 + 9.5: least at a = 0, b = 1, d = -6, where it is 7.5, and largest at a = 1,
-    b = 3, d = -1, where it is 15.
-    """
-    return program(
-        [[1, 1, 0, 0], [0, -1, 0, 0], [0, -1, 1, 0], [0, 0, 0, -1]],
-        [4, -1, 0.5, 6],
-        [3, 2, -1, 0.5],
-        row_lower=[-INF, -3, 0.5, -INF],
-        lower=[0, -INF, -INF, -INF],
-        upper=[1, INF, INF, -1],
-        integer=[True, True, False, False],
-        sense=sense,
-        offset=10,
-    )
-
-
-@readers
-@both_formats
-@pytest.mark.parametrize(("sense", "best"), [("min", 7.5), ("max", 15.0)])
-def test_sense_constant_ranges_and_free_variables_reach_other_programs(
-    sense: Sense, best: float, suffix: str, read: Reader, tmp_path: Path
-) -> None:
-    path = tmp_path / f"by_hand{suffix}"
-    write_program(by_hand(sense), path)
-    assert read(path) == pytest.approx(best)
-    assert solve_program(read_program(path)).objective == pytest.approx(best)
-
-
-def names_of_formulations() -> list[str]:
-    return [listing.name for listing in registry.listings()]
+    trial = program([[1, 2], [1, 2], [1, 3]], [4, 9, 5], [1, 1], row_lower=[1, -INF, 5])
+    names = ["between", "between_up", "between_lo"]
+    trial = replace(trial, rows=tuple(Block(name, i, ()) for i, name in enumerate(names)))
+    assert_same(reread(trial, suffix), trial)
 
 
 @both_formats
-@pytest.mark.parametrize("name", names_of_formulations())
-def test_every_formulation_has_the_same_optimum_in_the_file(
-    name: str, suffix: str, paper: Instance, tmp_path: Path
-) -> None:
-    formulation = registry.get(name)
-    data = stage_data(paper, formulation.spec.stage)
-    path = tmp_path / f"{name}{suffix}"
-    export(formulation, data, path)
-    best = solve(formulation, data).require().objective
-    assert read_by_highs(path) == pytest.approx(best)
-    assert read_by_scip(path) == pytest.approx(best)
+@pytest.mark.parametrize("sense", ["min", "max"])
+def test_a_program_without_rows_or_without_variables_stays_one(suffix: str, sense: Any) -> None:
+    rows, nothing = np.zeros((0, 2)), np.zeros((0, 0))
+    for trial in (
+        program(rows, [], [1, -1], sense=sense, offset=-2.5),
+        program(rows, [], [0, 0], sense=sense),
+        program(nothing, [], [], sense=sense, offset=1.5),
+        program(np.zeros((1, 2)), [-1], [1, 0], sense=sense),
+    ):
+        assert_same(reread(trial, suffix), trial)
 
 
 @both_formats
-def test_parameters_are_those_asked_for(suffix: str, paper: Instance, tmp_path: Path) -> None:
-    # Of two readings of ψ only one counts everything that is met, the other what is met in full.
-    data = stage_data(paper, "cluster")
-    for psi in (0.0, 1.0):
-        path = tmp_path / f"psi{suffix}"
-        export("cluster_printed", data, path, psi=psi)
-        worth = data.w if psi == 0 else data.w_full
-        assert read_by_highs(path) == pytest.approx(worth.max(axis=0).sum())
+def test_the_constant_of_one_who_uses_its_name_is_a_variable(suffix: str, tmp_path: Path) -> None:
+    trial = program([[1, 1]], [1], [1, 2], offset=3)
+    for name in ("objective_constant", "no_rows"):
+        named = replace(trial, columns=(Block(name, 0, (2,)),), rows=(Block(name, 0, ()),))
+        assert_same(reread(named, suffix), trial)
 
 
 @both_formats
@@ -252,7 +145,7 @@ def test_names_are_the_modellers(suffix: str, paper: Instance, tmp_path: Path) -
         *(f"robot_{r}_has_at_most_one_cluster" for r in range(4)),
         "as_many_pairs_as_can_be",
     }
-    assert "cluster_one_to_one" in path.read_text().splitlines()[0]
+    assert "cluster_one_to_one" in "".join(path.read_text().splitlines()[:2])
 
 
 def test_a_row_is_written_the_way_it_was_modelled() -> None:
@@ -261,7 +154,7 @@ def test_a_row_is_written_the_way_it_was_modelled() -> None:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "trial.lp"
         export(formulation, None, path)
-        assert " somebody_goes: +1 x(0) +1 x(1) >= +1\n" in path.read_text()
+        assert " somebody_goes: x(0) + x(1) >= 1\n" in path.read_text()
 
 
 @pytest.mark.parametrize(
@@ -324,12 +217,8 @@ def test_whatever_the_names_those_in_the_file_are_legal_and_unique(
         assert len(set(names)) == len(names)
         for name in names:
             assert LEGAL.fullmatch(name)
-            assert len(name) <= LONGEST + 2
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / f"trial{suffix}"
-        write_program(trial, path)
-        assert read_by_highs(path) == pytest.approx(4.0)
-        assert read_by_scip(path) == pytest.approx(4.0)
+            assert len(name) <= LONGEST + 3
+    assert_same(again, trial)
 
 
 @both_formats
@@ -337,18 +226,6 @@ def test_a_program_without_names_gets_some(suffix: str) -> None:
     again = reread(replace(program([[1, 1]], 1, [1, 2]), columns=(), rows=()), suffix)
     assert {again.column_name(0), again.column_name(1)} == {"x_0", "x_1"}
     assert again.row_name(0) == "row_0"
-
-
-@readers
-@both_formats
-def test_a_row_without_coefficients_stays_as_infeasible_as_it_is(
-    suffix: str, read: Reader, tmp_path: Path
-) -> None:
-    path = tmp_path / f"empty{suffix}"
-    write_program(program([[0, 0], [1, 1]], [INF, 2], [1, 1], row_lower=[-1, 0]), path)
-    assert read(path) == pytest.approx(0.0)
-    write_program(program([[0, 0], [1, 1]], [INF, 2], [1, 1], row_lower=[1, 0]), path)
-    assert read(path) is None
 
 
 @both_formats
@@ -361,13 +238,45 @@ def test_variables_in_no_row_keep_their_place_and_kind(suffix: str) -> None:
 
 
 @both_formats
-def test_a_refused_program_leaves_the_old_file_and_nothing_else(
-    suffix: str, tmp_path: Path
+def test_rows_beyond_what_solvers_keep_are_multiplied_by_a_power_of_two(suffix: str) -> None:
+    # At least a second, in nanoseconds; and a big M. Both are read as the same rows, in other units.
+    trial = program([[1e-9, 0], [1, -1e16]], [INF, 0], [1, 1], row_lower=[1, -INF], upper=1e12)
+    again = reread(trial, suffix)
+    sizes = np.abs(again.matrix.data)
+    assert ((sizes > 1e-9) & (sizes < 1e15)).all()
+    waiting, big = again.row_lower[0], again.matrix[1, 0]
+    assert [np.log2(factor) % 1 for factor in (waiting, big)] == [0, 0]
+    assert again.matrix.toarray().tolist() == [[1e-9 * waiting, 0], [big, -1e16 * big]]
+
+
+@both_formats
+@pytest.mark.parametrize(
+    ("trial", "problem"),
+    [
+        (
+            program([[1e-9, 1e16]], 1, [1, 1]),
+            r"row row_0: coefficient 1e-09 of x\(0\) beside 1e\+16 of x\(1\); no scaling",
+        ),
+        (program([[1, INF]], 1, [1, 1]), r"row row_0: coefficient 1 of x\(0\) beside inf of x\(1"),
+        (program([[1, np.nan]], 1, [1, 1]), "row row_0: coefficient nan"),
+        (program([[1, 1]], 1e20, [1, 1]), r"row row_0: its sides -inf and 1e\+20; give numbers be"),
+        (program([[1, 1]], -INF, [1, 1]), "row row_0: its sides -inf and -inf"),
+        (program([[1e-9, 1e-9]], 1e19, [1, 1]), r"row row_0: its sides -inf and 1.07374e\+28"),
+        (program([[1, 1]], 1, [1, -1e20]), r"variable x\(1\): cost -1e\+20; give numbers below"),
+        (program([[1, 1]], 1, [1, np.nan]), r"variable x\(1\): cost nan"),
+        (program([[1, 1]], 1, [1, 1], upper=[1e20, 1]), r"variable x\(0\): upper bound 1e\+20"),
+        (program([[1, 1]], 1, [1, 1], lower=[0, INF]), r"variable x\(1\): lower bound inf"),
+        (program([[1, 1]], 1, [1, 1], offset=INF), r"the objective's constant inf"),
+    ],
+)
+def test_a_number_beyond_what_solvers_take_is_refused_by_row_and_variable(
+    suffix: str, trial: Program, problem: str, tmp_path: Path
 ) -> None:
     path = tmp_path / f"huge{suffix}"
     path.write_text("as it was")
-    with pytest.raises(ModelError, match="HiGHS refuses it; coefficients must be finite"):
-        write_program(program([[1e16, 1]], 1, [1, 1]), path)
+    with pytest.raises(ModelError, match=problem) as caught:
+        write_program(trial, path)
+    assert str(caught.value).isprintable()
     assert path.read_text() == "as it was"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -394,90 +303,59 @@ def test_a_folder_that_is_not_there_is_an_error_of_the_users(tmp_path: Path) -> 
         write_program(program([[1]], 1, [1]), tmp_path / "none" / "program.lp")
 
 
-MPS = """NAME by_hand
-OBJSENSE
-    MAX
-ROWS
- N  worth
- L  most
- G  least
- E  same
- L  between
-COLUMNS
-    MARK  'MARKER'  'INTORG'
-    x     worth  3    most     1
-    x     same   1    between  1
-    MARK  'MARKER'  'INTEND'
-    y     worth  2    most     1
-    y     least  1    same    -1
-RHS
-    RHS   worth  -5   most     8
-    RHS   least  1    between  4
-RANGES
-    RNG   between  3
-BOUNDS
- UP BND   x  9
- FR BND   y
-ENDATA
-"""
+def test_a_maximisation_is_a_minimisation_in_an_mps_file_and_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "trial.mps"
+    write_program(program([[1, 1]], 1, [3, -2], sense="max", offset=1), path)
+    lines = path.read_text().splitlines()
+    assert lines[0] == "* A maximisation: the costs are negated, minimise them."
+    costs = [line.split()[2] for line in lines if re.match(r" {4}\S+ +obj ", line)]
+    assert costs == ["-3", "2", "-1"]
+    assert "OBJSENSE" not in path.read_text()
 
 
-def test_a_public_mps_file_is_read_to_the_letter(tmp_path: Path) -> None:
-    # 3 x + 2 y + 5 with x + y ≤ 8, y ≥ 1, x = y, 1 ≤ x ≤ 4, x ≤ 9 integer: best x = y = 4, 25.
-    path = tmp_path / "by_hand.mps"
-    path.write_text(MPS)
-    found = read_program(path)
-    assert (found.sense, found.offset) == ("max", 5.0)
-    assert [found.column_name(j) for j in range(2)] == ["x", "y"]
-    assert [found.row_name(i) for i in range(4)] == ["most", "least", "same", "between"]
-    assert found.cost.tolist() == [3, 2]
-    assert found.matrix.toarray().tolist() == [[1, 1], [0, 1], [1, -1], [1, 0]]
-    assert found.row_lower.tolist() == [-INF, 1, 0, 1]
-    assert found.row_upper.tolist() == [8, INF, 0, 4]
-    assert found.lower.tolist() == [0, -INF]
-    assert found.upper.tolist() == [9, INF]
-    assert found.integer.tolist() == [True, False]
-    solution = solve_program(found)
-    assert solution.objective == pytest.approx(25.0)
-    assert solution.values["x"] == pytest.approx(4.0)
+@pytest.fixture(scope="session")
+def decimal_comma(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The environment in which the locale ``comma`` writes 1,5 for 1.5."""
+    folder = tmp_path_factory.mktemp("locales")
+    try:
+        subprocess.run(
+            ["localedef", "-i", "de_DE", "-f", "UTF-8", folder / "comma"], check=True, timeout=60
+        )
+    except (FileNotFoundError, subprocess.CalledProcessError):
+        pytest.skip("no localedef here that makes a locale with a decimal comma")
+    return {"LOCPATH": str(folder)}
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "problem"),
-    [
-        ("words.mps", "this is no program\n", "HiGHS cannot read it"),
-        ("words.lp", "this is no program\n", "neither minimize nor maximize"),
-        ("half.lp", "min\n o: x\nst\n a: x <= <=\nend\n", "HiGHS cannot read it"),
-        ("square.lp", "min\n o: x + [ x ^2 ] / 2\nst\n a: x >= 1\nend\n", "objective is quadratic"),
-        (
-            "semi.lp",
-            "min\n o: x\nst\n a: x + y >= 1\nbounds\n y <= 5\nsemi\n y\nend\n",
-            "semi-continuous",
-        ),
-        (
-            "range.lp",
-            "Minimize\n o: x\nSubject To\n a: 1 <= x + y <= 2\nBounds\n 0 <= x <= 4\nEnd\n",
-            r"two relations in 'a: 1 <= x \+ y <= 2'; give two rows",
-        ),
-    ],
-)
-def test_a_file_that_holds_no_linear_program_is_refused_by_name(
-    name: str, text: str, problem: str, tmp_path: Path
+@both_formats
+def test_a_locale_with_decimal_commas_changes_nothing(
+    suffix: str, tmp_path: Path, decimal_comma: dict[str, str]
 ) -> None:
-    path = tmp_path / name
-    path.write_text(text)
-    with pytest.raises(InputError, match=problem) as caught:
-        read_program(path)
-    assert caught.value.file == str(path)
-
-
-def test_two_sided_bounds_in_an_lp_file_are_no_ranges(tmp_path: Path) -> None:
-    path = tmp_path / "bounds.lp"
-    path.write_text(
-        "\\ 1 <= x <= 2\nmin\n o: x + y\nst\n a: x + y >= 1\n b: x - y <= 1\n"
-        "bounds\n 0.5 <= x <= 4\nend\n"
+    code = """
+import ctypes, locale, os, sys
+from dataclasses import replace
+locale.setlocale(locale.LC_NUMERIC, "comma")
+assert locale.localeconv()["decimal_point"] == ","
+strtod = ctypes.CDLL(None).strtod
+strtod.restype = ctypes.c_double
+assert strtod(b"2,5", None) == 2.5  # as readers written in C read it
+from msmrta_opt.optimise.export import read_program, write_program
+written, again = sys.argv[1:]
+write_program(read_program(written), again)
+print(read_program(again).offset, read_program(again).cost.tolist())
+"""
+    trial = program([[1 / 3, 0.123456789012346]], 1e-3, [1 / 3, -2.5], upper=0.5, offset=1e-7)
+    paths = [tmp_path / f"before{suffix}", tmp_path / f"after{suffix}"]
+    write_program(trial, paths[0], name="t")
+    said = subprocess.run(
+        [sys.executable, "-c", code, *map(str, paths)],
+        env={"PYTHONPATH": ":".join(sys.path), **decimal_comma},
+        check=True,
+        capture_output=True,
+        text=True,
     )
-    assert read_program(path).lower.tolist() == [0.5, 0]
+    assert said.stdout == "1e-07 [0.3333333333333333, -2.5]\n"
+    assert paths[1].read_text().splitlines()[1:] == paths[0].read_text().splitlines()[1:]
+    assert_same(read_program(paths[1]), trial)
 
 
 def test_a_file_that_is_not_there_is_an_error_of_the_users(tmp_path: Path) -> None:

@@ -1,0 +1,507 @@
+"""LP and MPS files from anywhere: read as everybody reads them, or refused with line and reason."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.optimise.export import read_program
+from msmrta_opt.optimise.program import Program
+from msmrta_opt.optimise.solve import solve_program
+
+INF = float("inf")
+
+
+def read(text: str, path: Path) -> Program:
+    path.write_bytes(text.encode())
+    return read_program(path)
+
+
+def assert_refused(text: str, path: Path, field: str, problem: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read(text, path)
+    assert str(caught.value).isprintable()
+    assert (caught.value.file, caught.value.field) == (str(path), field)
+    assert problem in caught.value.problem, caught.value.problem
+
+
+# LP
+
+
+def lp(
+    objective: str = "x + y",
+    rows: str = "c: x + y <= 3",
+    bounds: str = "x <= 2\ny <= 2",
+    rest: str = "",
+    sense: str = "max",
+) -> str:
+    return f"{sense}\n obj: {objective}\nst\n{rows}\nbounds\n{bounds}\n{rest}end\n"
+
+
+def small(text: str) -> str:
+    return f"max\n obj: x\nst\n c: x <= 3\n{text}end\n"
+
+
+READ: dict[str, tuple[str, float]] = {
+    # The optimum is by hand.
+    "as it should be": (lp(), 3),
+    "maximise": (lp(sense="maximise"), 3),
+    "Maximize": (lp(sense="Maximize"), 3),
+    "MAXIMUM": (lp(sense="MAXIMUM"), 3),
+    "minimise": (lp("-x - y", sense="minimise"), -3),
+    "subject to": (lp().replace("st\n", "Subject To\n"), 3),
+    "such that": (lp().replace("st\n", "such that\n"), 3),
+    "s.t.": (lp().replace("st\n", "S.T.\n"), 3),
+    "byte order mark": ("\ufeff" + lp(), 3),
+    "Windows": (lp().replace("\n", "\r\n"), 3),
+    "tabs and blank lines": (lp().replace(" ", "\t").replace("\n", "\n\n \n"), 3),
+    "remarks": (lp("x \\ + 100 x\n + y"), 3),
+    "a remark before all": ("\\ min\n" + lp(), 3),
+    "no name of the objective": (lp().replace("obj:", ""), 3),
+    "no objective": ("max\nst\n c: x <= 3\nend\n", 0),
+    "terms that add up": (lp("x + y + x", "c: x + y <= 3"), 5),
+    "terms that add up in a row": (lp(rows="c: x + y + x <= 3", bounds="x <= 2\ny <= 1"), 2),
+    "terms that take each other away": (lp(rows="c: x + y - x <= 1"), 3),
+    "constant in the objective": (lp("x + 2 + y - 0.5"), 4.5),
+    "constant on the left": (lp(rows="c: x + y + 1 <= 3"), 2),
+    "constants on both sides": (lp(rows="c: 1 + x + y - 4 <= 3 - 5 "), 1),
+    "variables on the right": (lp(rows="c: x <= 3 - y"), 3),
+    "variables on the right alone": (lp(rows="c: 3 >= x + y"), 3),
+    "a variable on both sides": (lp(rows="c: 2 x + y <= 3 + x"), 3),
+    "a sum on the right": (lp(rows="c: x + y <= 2 + 1"), 3),
+    "signs after signs": (lp("x - -1 y + -0.5 x"), 2.5),
+    "a coefficient joined to its variable": (lp("2x + 0.5y"), 4.5),
+    "a variable that begins with e": (lp("2 e1 + y", "c: e1 + y <= 3", "e1 <= 2\ny <= 2"), 5),
+    "exponents": (lp("1e0 x + .1E+1 y + 0.0e-5 x"), 3),
+    "e behind an exponent": (lp("1e1x + y"), 21),
+    "a range": (lp("x + y", "c: -1 <= x - y <= 0.5", sense="max"), 4),
+    "a range in lines": (lp("x - y", "c: -1 <=\n x\n - y\n <= 0.5"), 0.5),
+    "a range from above": (lp("x - y", "c: 0.5 >= x - y >= -1"), 0.5),
+    "a row in lines": (lp(rows="c: x\n + y\n <=\n 3"), 3),
+    "rows without names": (lp(rows="x + y <= 3\nx - y <= 2\n- x + y <= 0.5"), 3),
+    "rows in one line": (lp(rows="a: x + y <= 3 b: x - y <= 2"), 3),
+    "a row behind a number": (lp(rows="x + y <= 3\n+ x - y <= -1.5"), 2.5),
+    "<": (lp(rows="c: x + y < 3"), 3),
+    "=<": (lp(rows="c: x + y =< 3"), 3),
+    "=>": (lp(rows="c: - x - y => -3"), 3),
+    "=": (lp("x - y", "c: x + y = 3"), 1),
+    "infinite side": (lp(rows="c: x + y <= +inf"), 4),
+    "side that is infinite to all": (lp(rows="c: x + y <= 1e30"), 4),
+    "a row of zeros": (lp(rows="c: x + y <= 3\n d: 0 x <= 1"), 3),
+    "bounds from both sides": (lp("- x - y", bounds="0.5 <= x <= 2\n2 >= y >= 1"), -1.5),
+    "bounds that fix": (lp("- x - y", bounds="x = 0.5\n1 = y"), -1.5),
+    "free": (lp("- x - y", "c: x + y >= -3", "x free\ny FREE"), 3),
+    "free, then a bound": (lp("- 2 x", "c: x + 1 >= 0", "x free\n-5 <= x <= 5"), 2),
+    "infinite bounds": (lp("- x - y", "c: x + y >= -3", "x >= -inf\n-Infinity <= y <= +inf"), 3),
+    "bound that is infinite to all": (lp("- x", "c: x + y >= -3", "x >= -1e20\ny = 0"), 3),
+    "bound given twice": (lp(bounds="x <= 0\nx <= 2\ny <= 0.5"), 2.5),
+    "bound of zero": (lp(bounds="x <= 0\ny <= -0"), 0),
+    "general": (small("general\n x\n"), 3),
+    "integers, several a line": (lp("x + 1.5 y", "c: 2 x + 2 y <= 5", rest="int\nx y\n"), 3),
+    "binary": (lp(rows="c: x + y <= 3", bounds="", rest="BINARIES\n x\n y\n"), 2),
+    "binary and fixed": (lp(bounds="x = 0\ny <= 1", rest="bin\n x\n y\n"), 1),
+    "binary before bounds": (small("bin\n x\nbounds\n x <= 0\n"), 0),
+    "empty sections": (small("bounds\nbin\ngen\nsemi\nsos\nsemi-continuous\n"), 3),
+}
+READ["names of all kinds"] = (lp().replace("x ", "x.1(2,a)!\"#$%&?@'`{}~| "), 3)
+
+
+@pytest.mark.parametrize("name", READ)
+def test_an_lp_file_is_read_as_everybody_reads_it(name: str, tmp_path: Path) -> None:
+    text, best = READ[name]
+    solution = solve_program(read(text, tmp_path / "program.lp"))
+    assert solution.objective == pytest.approx(best)
+
+
+REFUSED: dict[str, tuple[str, str, str]] = {
+    # (text, line, problem)
+    "no program": ("this is no program\n", "line 1", "'this', where minimize or maximize"),
+    "nothing": ("", "", "neither minimize nor maximize in it"),
+    "something before": (
+        "obj: x\n" + lp(),
+        "line 1",
+        "'obj', where minimize or maximize should be",
+    ),
+    "lp_solve": ("max: 3x + 2y;\nc1: x + y <= 4;\n", "line 1", "';' is no part of"),
+    "no rows": ("max\n x\nend\n", "line 1", "no 'subject to' behind the objective"),
+    "cut off": (lp().replace("end\n", ""), "", "no 'end'; the file is cut off"),
+    "cut off in a row": ("max\n x\nst\n c: x <=\nend\n", "line 4", "nothing on one of its sides"),
+    "something behind the end": (lp() + "x\n", "line 9", "'x' behind 'end'"),
+    "two objectives": (lp(rest="min\n x\n"), "line 8", "a second objective"),
+    "two lists of rows": (lp(rest="st\n d: x <= 1\n"), "line 8", "a second list of rows"),
+    "all in a line": ("max x st c: x <= 3 end\n", "line 1", "'st', where the name of a variable"),
+    "product": (lp(rows="c: 3 x y <= 10"), "line 4", "'y' without a sign before it"),
+    "product with a star": (
+        lp(rows="c: 3 * x <= 10"),
+        "line 4",
+        "'*' is a quadratic term, or no part",
+    ),
+    "two coefficients": (lp(rows="c: 2 3 x >= 12"), "line 4", "'3' behind another number"),
+    "coefficient behind": (lp(rows="c: x 3 >= 12"), "line 4", "'3' without a sign before it"),
+    "two sums": (lp("x + y\nx"), "line 3", "'x' without a sign before it"),
+    "square": (lp("x + [ x ^2 ] / 2"), "line 2", "'[' is a quadratic term, or no part"),
+    "power": (lp("x ^ 2"), "line 2", "'^' is a quadratic term, or no part"),
+    "remark of C": (
+        lp(rows="/* c: x <= 1 */\nd: x + y <= 3"),
+        "line 4",
+        "'/' is a quadratic term, or no",
+    ),
+    "remark of C++": (
+        lp(rows="c: x + y <= 3 // or 4"),
+        "line 4",
+        "'/' is a quadratic term, or no part",
+    ),
+    "decimal comma": (lp(rows="c: x + y <= 1,5"), "line 4", "',' is no part of a linear program"),
+    "decimal comma as coefficient": (lp("1,5 x"), "line 2", "',' is no part of a linear program"),
+    "two points": (lp("1.5.2 x"), "line 2", "'.2' behind another number"),
+    "joined to an e": (lp("2e x + y", bounds=""), "line 2", "'e' joined to a number; put a blank"),
+    "not a number": (lp(rows="c: x + y <= nan"), "line 4", "'nan', where the name of a variable"),
+    "beyond a float": (lp("1e999 x"), "line 2", "'1e999'; give a number such as"),
+    "below a float": (lp("1e-999 x"), "line 2", "'1e-999'; give a number such as"),
+    "infinite coefficient": (lp("inf x"), "line 2", "an infinite coefficient"),
+    "infinite constant": (lp("x + inf"), "line 1", "an infinite constant"),
+    "infinite less infinite": (
+        lp(rows="c: x + inf <= inf"),
+        "line 4",
+        "a side that no number can meet",
+    ),
+    "a row that nothing meets": (
+        lp(rows="c: x >= 1e30"),
+        "line 4",
+        "a side that no number can meet",
+    ),
+    "two relations": (lp(rows="c: x <= y <= 3"), "line 4", "two relations in a row"),
+    "two relations that differ": (
+        lp(rows="c: 1 <= x + y >= 3"),
+        "line 4",
+        "two relations in a row",
+    ),
+    "two relations, one of them =": (
+        lp(rows="c: 1 = x + y <= 3"),
+        "line 4",
+        "two relations in a row",
+    ),
+    "three relations": (lp(rows="c: 1 <= x <= 2 <= 3"), "line 4", "a row has one relation"),
+    "no relation": (lp(rows="c: x + y"), "line 4", "a row has one relation"),
+    "relation ==": (lp(rows="c: x + y == 3"), "line 4", "nothing on one of its sides"),
+    "relation <>": (lp(rows="c: x + y <> 3"), "line 4", "nothing on one of its sides"),
+    "an indicator": (lp(rows="c: x = 1 -> y <= 2"), "line 4", "a sign with nothing behind it"),
+    "numbers alone": (lp(rows="c: 1 <= 2"), "line 4", "a relation of numbers alone"),
+    "sign alone": (lp("x + y -"), "line 2", "a sign with nothing behind it"),
+    "relation in the objective": (lp("x + y <= 3"), "line 2", "'<=' in the objective"),
+    "two names": (lp(rows="c: d: x <= 3"), "line 4", "a row has one relation"),
+    "name given twice": (lp(rows="c: x + y <= 3\nc: x <= 1"), "line 5", "a second row 'c'"),
+    "name that is a word": (lp(rows="free: x + y <= 3"), "line 4", "'free', where the name of a"),
+    "variable that is a word": (lp("x + bin"), "line 2", "'bin', where the name of a variable"),
+    "number joined to a bracket": (lp("2(x)"), "line 2", "'(' is no part of a linear program"),
+    "other script": (lp("ψ"), "line 2", "'ψ' is no part of a linear program"),
+    "full width digit": (lp("２ x"), "line 2", "'２' is no part of a linear program"),
+    "bound with a coefficient": (lp(bounds="2 x <= 1"), "line 6", "a bound is of one variable"),
+    "bound of the negative": (lp(bounds="- x <= 1"), "line 6", "a bound is of one variable"),
+    "bound of a sum": (lp(bounds="x + y <= 1"), "line 6", "a bound is of one variable"),
+    "two bounds a line": (lp(bounds="x <= 1 y <= 2"), "line 6", "two relations in a row"),
+    "free and more": (lp(bounds="x free 3"), "line 6", "'3' behind a bound"),
+    "bound of a stranger": (lp(bounds="z <= 1"), "line 6", "unknown variable 'z'"),
+    "integer stranger": (lp(rest="gen\n z\n"), "line 9", "unknown variable 'z'"),
+    "integer number": (lp(rest="gen\n 3\n"), "line 9", "'3', where the name of a variable"),
+    "negative upper bound": (
+        lp(bounds="x <= -5"),
+        "variable x",
+        "upper bound -5 without a lower one",
+    ),
+    "binary up to five": (
+        lp(bounds="x <= 5", rest="bin\n x\n"),
+        "variable x",
+        "binary, with bounds 0",
+    ),
+    "binary from below": (
+        lp(bounds="x >= -1", rest="bin\n x\n"),
+        "variable x",
+        "binary, with bounds -1",
+    ),
+    "bounds that nothing meets": (
+        lp(bounds="x >= inf"),
+        "line 6",
+        "a side that no number can meet",
+    ),
+    "semi-continuous": (
+        lp(rest="semi\n x\n"),
+        "line 9",
+        "'x' behind 'semi'; give a linear program",
+    ),
+    "semi-continuous in full": (
+        lp(rest="Semi-Continuous\n x\n"),
+        "line 9",
+        "'x' behind 'Semi-Cont",
+    ),
+    "sos": (lp(rest="sos\n s1: S1:: x: 1 y: 2\n"), "line 9", "'s1' behind 'sos'"),
+    "lazy": (lp(rest="lazy constraints\n d: x <= 1\n"), "line 8", "'constraints' behind 'lazy'"),
+    "subject without to": (lp().replace("st\n", "subject\n"), "line 3", "'subject' without 'to'"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_an_lp_file_of_which_readers_differ_is_refused_by_line(name: str, tmp_path: Path) -> None:
+    assert_refused(REFUSED[name][0], tmp_path / "program.lp", *REFUSED[name][1:])
+
+
+# MPS
+
+
+def mps(
+    columns: str = "x c 1 d 1\ny c 1\nx obj 3\ny obj 2",
+    rhs: str = "RHS c 4\nRHS d 3.5",
+    *,
+    rows: str = "N obj\nL c\nL d",
+    rest: str = "",
+    first: str = "NAME t",
+) -> str:
+    """A program; lines of data are indented here. Maximise 3 x + 2 y, x + y ≤ 4, x ≤ 3.5: 11.5."""
+    sections = {"ROWS": rows, "COLUMNS": columns, "RHS": rhs}
+    text = "".join(f"{name}\n" + _indented(lines) for name, lines in sections.items())
+    for line in rest.splitlines():
+        text += f"{line}\n" if line.isalpha() else f" {line}\n"
+    return f"{first}\nOBJSENSE\n    MAX\n{text}ENDATA\n"
+
+
+def _indented(lines: str) -> str:
+    return "".join(f"    {line}\n" for line in lines.splitlines())
+
+
+def integer(columns: str) -> str:
+    return f"M 'MARKER' 'INTORG'\n{columns}\nM 'MARKER' 'INTEND'"
+
+
+INTEGER = integer("x c 1 d 1\nx obj 3") + "\ny c 1 obj 2"
+NEGATIVE = "x c 1 d 1\ny c 1\nx obj -3\ny obj -2"
+"""Of which the maximum is as small as can be."""
+
+MPS_READ: dict[str, tuple[str, float]] = {
+    "as it should be, split columns": (mps(), 11.5),
+    "Windows": (mps().replace("\n", "\r\n"), 11.5),
+    "byte order mark": ("\ufeff" + mps(), 11.5),
+    "remarks and blank lines": ("* one\n\n" + mps().replace("RHS\n", "* two\n\nRHS\n", 1), 11.5),
+    "tabs": (mps().replace("    ", "\t"), 11.5),
+    "no name": (mps().removeprefix("NAME t\n"), 11.5),
+    "a name in words": (mps(first="NAME a program of mine (FREE)"), 11.5),
+    "sense on its line": (mps().replace("OBJSENSE\n    MAX", "OBJSENSE MAXIMIZE"), 11.5),
+    "sense in small letters": (mps().replace("    MAX", "    max"), 11.5),
+    "to be minimised": (mps().replace("OBJSENSE\n    MAX\n", ""), 0),
+    "no names of sets": (mps(rhs="c 4\nd 3.5", rest="BOUNDS\nUP x 1"), 9),
+    "right-hand sides in a line": (mps(rhs="RHS c 4 d 3.5"), 11.5),
+    "constant": (mps(rhs="RHS obj 10 c 4\nRHS d 3.5"), 1.5),
+    "negative constant": (mps(rhs="RHS obj -10 c 4\nRHS d 3.5"), 21.5),
+    "a second row N": (
+        mps(rows="N obj\nN other\nL c\nL d").replace("y c 1", "y c 1 other 9"),
+        11.5,
+    ),
+    "no right-hand sides": (mps(rhs=""), 0),
+    "numbers": (mps(rhs="RHS c +4. d .35e+1"), 11.5),
+    "range of L": (mps(NEGATIVE, rest="RANGES\nRNG c 1 d 3"), -6.5),
+    "range of G": (mps(rows="N obj\nG c\nL d", rest="RANGES\nRNG c -2"), 15.5),
+    "range of E, up": (mps(rows="N obj\nE c\nL d", rest="RANGES\nRNG c 2"), 15.5),
+    "range of E, down": (mps(NEGATIVE, rows="N obj\nE c\nL d", rest="RANGES\nRNG c -2"), -4),
+    "range of E, none": (mps(NEGATIVE, rows="N obj\nE c\nL d", rest="RANGES\nRNG c 0"), -8),
+    "ranges first": (mps().replace("RHS\n", "RANGES\n    R c 1\nRHS\n", 1), 11.5),
+    "infinite side": (mps(rhs="RHS c 1e30 d 3.5", rest="BOUNDS\nUP B y 100"), 210.5),
+    "integer without bounds": (mps(INTEGER), 9),
+    "integer up to seven": (mps(INTEGER, rest="BOUNDS\nUP B x 7"), 11),
+    "integer from two": (mps(INTEGER, rest="BOUNDS\nLO B x 2"), 11),
+    "integer without upper bound": (mps(INTEGER, rest="BOUNDS\nPL B x"), 11),
+    "BV": (mps(rest="BOUNDS\nBV B x"), 9),
+    "BV with a value": (mps(rest="BOUNDS\nBV B x 1"), 9),
+    "BV without a set": (mps(rest="BOUNDS\nBV x"), 9),
+    "BV, then FX": (mps(rest="BOUNDS\nBV B x\nFX B x 0"), 8),
+    "FX, then BV": (mps(rest="BOUNDS\nFX B x 0\nBV B x"), 8),
+    "FX": (mps(rest="BOUNDS\nFX B x 0.5"), 8.5),
+    "LI": (mps(NEGATIVE, rest="BOUNDS\nLI B x 2"), -6),
+    "UI": (mps(rest="BOUNDS\nUI B x 3"), 11),
+    "LI makes integer": (mps(rest="BOUNDS\nLI B x 0"), 11),
+    "FR": (mps(NEGATIVE, rows="N obj\nG c\nL d", rest="BOUNDS\nFR B y"), -8),
+    "FR with a value": (mps(NEGATIVE, rows="N obj\nG c\nL d", rest="BOUNDS\nFR B y 0"), -8),
+    "MI": (
+        mps("x c 1 obj -1\ny d 0", rows="N obj\nG c\nL d", rhs="R c -9", rest="BOUNDS\nMI B x"),
+        9,
+    ),
+    "FR, then UP": (mps(rest="BOUNDS\nFR B x\nUP B x 1"), 9),
+    "MI and a negative UP": (mps(rest="BOUNDS\nMI B x\nUP B x -1"), 7),
+    "negative UP and LO": (mps(rest="BOUNDS\nUP B x -1\nLO B x -2"), 7),
+    "UP of zero": (mps(rest="BOUNDS\nUP B x 0"), 8),
+    "infinite bounds": (mps(rest="BOUNDS\nUP B x 1e30\nLO B y -Inf\nUP B y +infinity"), 11.5),
+    "the same bound twice": (mps(rest="BOUNDS\nUP B x 1\nUP B x 1"), 9),
+    "a set called as a variable": (mps(rest="BOUNDS\nUP y x 1"), 9),
+    "variables called as a row and a word": (mps().replace("y", "c").replace("x", "RHS"), 11.5),
+}
+
+
+@pytest.mark.parametrize("name", MPS_READ)
+def test_an_mps_file_is_read_as_everybody_reads_it(name: str, tmp_path: Path) -> None:
+    text, best = MPS_READ[name]
+    solution = solve_program(read(text, tmp_path / "program.mps"))
+    assert solution.objective == pytest.approx(best)
+
+
+MPS_REFUSED: dict[str, tuple[str, str, str]] = {
+    "no program": ("this is no program\n", "line 1", "'this' is no section of a linear program"),
+    "nothing": ("", "", "no ENDATA; the file is cut off"),
+    "cut off": (mps().replace("ENDATA\n", ""), "", "no ENDATA; the file is cut off"),
+    "behind the end": (mps() + "NAME u\n", "line 17", "'NAME u' after ENDATA"),
+    "data before sections": (" x c 1\n" + mps(), "line 1", "' x c 1' in no section"),
+    "no objective": (mps("x c 1", rows="L c\nL d"), "ROWS", "no row of type N"),
+    "no columns": (
+        mps(first="").split("COLUMNS")[0].lstrip() + "ENDATA\n",
+        "",
+        "no section COLUMNS",
+    ),
+    "two sections": (mps(rest="RHS\nRHS c 4"), "line 16", "a second section RHS"),
+    "quadratic": (
+        mps(rest="QUADOBJ\nx x 1"),
+        "line 16",
+        "'QUADOBJ' is no section of a linear program",
+    ),
+    "sos": (mps(rest="SOS\nS1 s x 1"), "line 16", "'SOS' is no section of a linear program"),
+    "indicators": (mps(rest="INDICATORS\nIF c y 1"), "line 16", "'INDICATORS' is no section"),
+    "semi-continuous": (mps(rest="BOUNDS\nSC B x 3"), "line 17", "bound 'SC'; give UP, LO, FX"),
+    "other marker": (mps("M 'MARKER' 'SOSORG'\nx c 1"), "line 9", "marker 'SOSORG'"),
+    "unknown sense": (
+        mps().replace("    MAX", "    MAXIMAL"),
+        "line 3",
+        "'MAXIMAL'; give MAX or MIN",
+    ),
+    "two senses": (mps().replace("OBJSENSE\n", "OBJSENSE MIN\n"), "line 3", "a second sense"),
+    "name with a blank": (mps("x 1 c 1"), "line 9", "3 fields where one or two rows with a number"),
+    "name with two blanks": (mps("x 1 2 c 1"), "line 9", "unknown row '1'"),
+    "row with a blank": (mps(rows="N obj\nL my c\nL d"), "line 6", "'L my c'; give N, L, G or E"),
+    "unknown kind of row": (mps(rows="N obj\nX c\nL d"), "line 6", "'X c'; give N, L, G or E"),
+    "row twice": (mps(rows="N obj\nL c\nG c\nL d"), "line 7", "a second row 'c'"),
+    "unknown row": (mps("x e 1"), "line 9", "unknown row 'e'"),
+    "entry twice": (mps("x c 1 d 1\nx c 1"), "line 10", "a second coefficient of 'x' in 'c'"),
+    "entry twice in a line": (mps("x c 1 c 1"), "line 9", "a second coefficient of 'x' in 'c'"),
+    "cost twice": (mps("x obj 1\nx obj 1"), "line 10", "a second coefficient of 'x' in 'obj'"),
+    "half of a pair": (mps("x c 1 d"), "line 9", "3 fields where one or two rows with a number"),
+    "both within and outside": (
+        mps(INTEGER + "\nx d 1"),
+        "line 14",
+        "'x' is both within and outside",
+    ),
+    "decimal comma": (mps("x obj 1,5"), "line 9", "'1,5'; give a number such as"),
+    "exponent of Fortran": (mps(rhs="RHS c 4D1"), "line 14", "'4D1'; give a number such as"),
+    "underscore": (mps(rhs="RHS c 4_0"), "line 14", "'4_0'; give a number such as"),
+    "not a number": (mps(rhs="RHS c nan"), "line 14", "'nan'; give a number such as"),
+    "infinite": (mps(rhs="RHS c inf"), "line 14", "'inf'; give a number such as"),
+    "beyond a float": (mps(rhs="RHS c 1e999"), "line 14", "'1e999'; give a number such as"),
+    "hexadecimal": (mps(rhs="RHS c 0x10"), "line 14", "'0x10'; give a number such as"),
+    "other digits": (mps(rhs="RHS c ٤"), "line 14", "'٤'; give a number such as"),
+    "a remark behind": (mps("x c 1 $ one"), "line 9", "a remark behind fields"),
+    "side twice": (mps(rhs="RHS c 4\nRHS c 5"), "line 15", "a second value of 'c' in RHS"),
+    "two sets of sides": (mps(rhs="R1 c 4\nR2 d 5"), "line 15", "'R2' is a second set of RHS"),
+    "two sets of ranges": (
+        mps(rest="RANGES\nA c 4\nB d 5"),
+        "line 18",
+        "'B' is a second set of RANGES",
+    ),
+    "two sets of bounds": (
+        mps(rest="BOUNDS\nUP A x 4\nUP B y 5"),
+        "line 18",
+        "'B' is a second set",
+    ),
+    "range of the objective": (mps(rest="RANGES\nR obj 4"), "row obj", "of type N, with a range"),
+    "range of no side": (mps(rhs="R c 1e30", rest="RANGES\nR c 4"), "row c", "side inf; give one"),
+    "side that nothing meets": (mps(rhs="R c -1e30"), "row c", "side -inf; give one"),
+    "negative upper bound": (
+        mps(rest="BOUNDS\nUP B x -5"),
+        "variable x",
+        "upper bound -5 without a",
+    ),
+    "unknown bound": (mps(rest="BOUNDS\nXX B x 5"), "line 17", "bound 'XX'; give UP, LO, FX"),
+    "bound of a stranger": (
+        mps(rest="BOUNDS\nUP B z 5"),
+        "line 17",
+        "'UP B z 5'; give the kind of",
+    ),
+    "bound without a number": (mps(rest="BOUNDS\nUP B x"), "line 17", "'UP B x'; give the kind of"),
+    "bound with two numbers": (
+        mps(rest="BOUNDS\nUP B x 5 6"),
+        "line 17",
+        "'UP B x 5 6'; give the kind",
+    ),
+    "free with a number": (mps(rest="BOUNDS\nFR B x -5"), "line 17", "FR with the value -5"),
+    "another upper bound": (
+        mps(rest="BOUNDS\nUP B x 5\nUP B x 3"),
+        "line 18",
+        "bound 3 where 5 was",
+    ),
+    "UP, then FR": (mps(rest="BOUNDS\nUP B x 5\nFR B x"), "line 18", "bound inf where 5 was given"),
+    "BV, then UP": (
+        mps(rest="BOUNDS\nBV B x\nUP B x 3"),
+        "variable x",
+        "binary, with bounds 0 and 3",
+    ),
+    "BV, then FX to 3": (
+        mps(rest="BOUNDS\nBV B x\nFX B x 3"),
+        "variable x",
+        "binary, with bounds 3",
+    ),
+    "lower bound beyond all": (mps(rest="BOUNDS\nLO B x 1e30"), "variable x", "bounds inf and inf"),
+    "lines that begin at once": (
+        "ROWS\nN obj\n",
+        "line 2",
+        "'N' is no section of a linear program",
+    ),
+    "something behind a section": (
+        mps().replace("ROWS\n", "ROWS 3\n"),
+        "line 4",
+        "'3' behind ROWS",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MPS_REFUSED)
+def test_an_mps_file_of_which_readers_differ_is_refused_by_line(name: str, tmp_path: Path) -> None:
+    assert_refused(MPS_REFUSED[name][0], tmp_path / "program.mps", *MPS_REFUSED[name][1:])
+
+
+def test_a_public_mps_file_is_read_to_the_letter(tmp_path: Path) -> None:
+    # 3 x + 2 y + 5 with x + y ≤ 8, y ≥ 1, x = y, 1 ≤ x ≤ 4, x ≤ 9 integer: best x = y = 4, 25.
+    text = """NAME by_hand
+OBJSENSE
+    MAX
+ROWS
+ N  worth
+ L  most
+ G  least
+ E  same
+ L  between
+COLUMNS
+    MARK  'MARKER'  'INTORG'
+    x     worth  3    most     1
+    x     same   1    between  1
+    MARK  'MARKER'  'INTEND'
+    y     worth  2    most     1
+    y     least  1    same    -1
+RHS
+    RHS   worth  -5   most     8
+    RHS   least  1    between  4
+RANGES
+    RNG   between  3
+BOUNDS
+ UP BND   x  9
+ FR BND   y
+ENDATA
+"""
+    found = read(text, tmp_path / "by_hand.mps")
+    assert (found.sense, found.offset) == ("max", 5.0)
+    assert [found.column_name(j) for j in range(2)] == ["x", "y"]
+    assert [found.row_name(i) for i in range(4)] == ["most", "least", "same", "between"]
+    assert found.cost.tolist() == [3, 2]
+    assert found.matrix.toarray().tolist() == [[1, 1], [0, 1], [1, -1], [1, 0]]
+    assert found.row_lower.tolist() == [-INF, 1, 0, 1]
+    assert found.row_upper.tolist() == [8, INF, 0, 4]
+    assert found.lower.tolist() == [0, -INF]
+    assert found.upper.tolist() == [9, INF]
+    assert found.integer.tolist() == [True, False]
+    solution = solve_program(found)
+    assert solution.objective == pytest.approx(25.0)
+    assert solution.values["x"] == pytest.approx(4.0)
