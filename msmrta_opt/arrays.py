@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int64]
-Int32s = NDArray[np.int32]
 
 
 def own_arrays(data: object) -> None:

@@ -131,7 +131,7 @@ class BranchAndPriceParameters:
 
     first_neighbourhood: Count = 4
     """Victims in a neighbourhood to begin with, itself included."""
-    largest_neighbourhood: Count = 40
+    largest_neighbourhood: Annotated[Count, Le(47)] = 40
     """Victims in a neighbourhood at the maximum."""
     maximum_steps: Count = 4000
     """Of time up to a robot's horizon; beyond them times are rounded down to coarser ones."""
@@ -163,6 +163,8 @@ class BranchAndPriceParameters:
     """At last, in values of the incumbent."""
     artificial_factor: Factor = 4.0
     """By which it is raised where it is too low."""
+    maximum_options: Count = 256
+    """Sets of tasks that a robot may serve in one visit, beyond which there is no column generation."""
     maximum_labels: Count = 30_000
     """Labels of one robot beyond which enumeration is given up."""
     maximum_routes: Count = 4_000
@@ -171,8 +173,14 @@ class BranchAndPriceParameters:
     """Labels that one is compared with for dominance."""
     undecided_share: Share = 0.05
     """Distance from the nearest whole number from which on branching is on who serves."""
+    selection_share: Share = 0.02
+    """Share of the time left for choosing among the paths known."""
+    enumeration_share: Share = 0.2
+    """Share of the time left for choosing among all routes that matter."""
+    polish_share: Share = 0.1
+    """Share of the time left for ruin and recreate."""
     polish_seconds: NonNegative = 20.0
-    """Seconds of ruin and recreate at the maximum."""
+    """Seconds of that at the maximum."""
 
 
 @dataclass(frozen=True, config=_CONFIG)

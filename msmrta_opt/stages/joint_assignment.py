@@ -87,8 +87,7 @@ def _posts(
     for c, centre in enumerate(clusters.cells):
         stops: list[Stop] = []
         for r, start in enumerate(situation.instance.starts):
-            component = situation.instance.map.component
-            if component[start] != component[centre]:
+            if not np.isfinite(situation.distances(start, centre)):
                 continue
             served = served_members(situation, analysis, clusters, r, c, deferred, options)
             if served and options.through_centre:

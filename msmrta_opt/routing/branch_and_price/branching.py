@@ -1,7 +1,7 @@
-"""Decisions that part the answers of a joint problem in two, for latency.
+"""Decisions that divide the solutions of a joint problem in two, for latency.
 
-Who serves a need, and whether it is done by some time: where a relaxation's paths agree on both for
-every need, they are whole routes. Either way only the robots' networks change.
+Who serves a task, and whether it is done by some time: where a relaxation's paths agree on both for
+every task, they are whole routes. Either way only the robots' networks change.
 """
 
 from __future__ import annotations
@@ -12,12 +12,10 @@ from collections.abc import Callable
 from functools import partial
 
 from ..problem import RoutingData
-from .master import Path
 from .ng_network import Network
-from .tasks import Needs
+from .path_program import Path
+from .tasks import Tasks
 
-UNDECIDED = 0.05
-"""Share of a need beside the nearest whole one that asks for a decision on who serves it."""
 _TINY = 1e-6
 
 Restriction = Callable[[Network], None]
@@ -25,7 +23,7 @@ Restriction = Callable[[Network], None]
 
 
 def decision(
-    data: RoutingData, needs: Needs, used: list[tuple[float, Path]]
+    data: RoutingData, tasks: Tasks, used: list[tuple[float, Path]], undecided: float
 ) -> tuple[Restriction, ...]:
     """The two sides of the most open decision; none if every one is taken.
 
@@ -33,10 +31,12 @@ def decision(
     ----------
     data : RoutingData
         The joint problem.
-    needs : Needs
+    tasks : Tasks
         Its requirements.
     used : list of (share, Path)
         The paths of a relaxation.
+    undecided : float
+        Distance of a task's share from the nearest whole number, from which on to decide who serves.
     """
     share: dict[tuple[int, int], float] = defaultdict(float)
     times: dict[int, dict[float, float]] = defaultdict(lambda: defaultdict(float))
@@ -45,36 +45,36 @@ def decision(
             for g in own:
                 share[g, robot] += part
                 times[g][time] += part
-    open_, (need, robot) = max(
+    open_, (task, robot) = max(
         ((min(part, 1.0 - part), who) for who, part in share.items()), default=(0.0, (0, 0))
     )
-    if open_ > UNDECIDED:
+    if open_ > undecided:
         return (
-            partial(_serve, need=need, robot=robot, serve=True),
-            partial(_serve, need=need, robot=robot, serve=False),
+            partial(_serve, task=task, robot=robot, serve=True),
+            partial(_serve, task=task, robot=robot, serve=False),
         )
     spread: dict[int, tuple[float, float]] = {}
     for g, when in times.items():
         total = sum(when.values())
         mean = sum(t * part for t, part in when.items()) / total
         off = sum(abs(t - mean) * part for t, part in when.items()) / total
-        spread[g] = float(data.priority[needs.victim[g]]) * off, mean
-    need = max(spread, key=lambda g: spread[g], default=-1)
-    if need < 0 or spread[need][0] <= _TINY:
+        spread[g] = float(data.priority[tasks.victim[g]]) * off, mean
+    task = max(spread, key=lambda g: spread[g], default=-1)
+    if task < 0 or spread[task][0] <= _TINY:
         return ()
-    middle = spread[need][1]
+    middle = spread[task][1]
     return (
-        partial(_when, need=need, after=-math.inf, until=middle),
-        partial(_when, need=need, after=middle, until=math.inf),
+        partial(_when, task=task, after=-math.inf, until=middle),
+        partial(_when, task=task, after=middle, until=math.inf),
     )
 
 
-def _serve(network: Network, *, need: int, robot: int, serve: bool) -> None:
-    """Only `robot` may serve `need`, or anyone but it."""
+def _serve(network: Network, *, task: int, robot: int, serve: bool) -> None:
+    """Only `robot` may serve `task`, or anyone but it."""
     if (network.robot == robot) != serve:
-        network.restrict(need, serve=False, after=-math.inf, until=math.inf)
+        network.restrict(task, serve=False, after=-math.inf, until=math.inf)
 
 
-def _when(network: Network, *, need: int, after: float, until: float) -> None:
-    """`need` is done later than `after` and by `until`."""
-    network.restrict(need, after=after, until=until)
+def _when(network: Network, *, task: int, after: float, until: float) -> None:
+    """`task` is done later than `after` and by `until`."""
+    network.restrict(task, after=after, until=until)

@@ -1,105 +1,110 @@
-r"""Prices that take a latency apart into one problem per robot.
+r"""Dual values that decompose a latency into one problem per robot.
 
-A victim v with needs g, done at t_g, is complete at max_g t_g. For any densities
+A victim v with tasks g, done at t_g, is complete at max_g t_g. For any densities
 
-    mu_g(t) >= 0   with   sum over the needs g of v of mu_g(t) = priority_v   at every time t,
+    mu_g(t) >= 0   with   sum over the tasks g of v of mu_g(t) = priority_v   at every time t,
 
-the charges phi_g(t) = integral of mu_g from 0 to t satisfy
+the costs phi_g(t) = integral of mu_g from 0 to t satisfy
 
     priority_v max_g t_g >= sum_g phi_g(t_g),
 
-since at each time before t_g only what is not yet done is charged. So charging every need by itself
-bounds the latency from below, and robots come apart. Constant densities would only average the needs'
+since at each time before t_g only what is not yet done costs. So a cost for every task by itself
+bounds the latency from below, and robots come apart. Constant densities would only average the tasks'
 times; densities that change over time bound their maximum. They are steps here: constant between
-breakpoints, which are put where they help (`latency_master`).
+breakpoints, which are put where they help (`breakpoints`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...arrays import Bools, Floats, Ints
-from .tasks import Needs
+from .tasks import Tasks
 
 
 @dataclass(frozen=True, eq=False)
-class Prices:
-    """Rewards for serving needs, charges for when they are done."""
+class Duals:
+    """Dual values of serving tasks, and the densities of what they cost until they are done."""
 
-    reward: Floats
-    """Of each need, at least 0, ``(n_needs,)``."""
+    value: Floats
+    """Of each task's being served, at least 0, ``(n_tasks,)``."""
     density: tuple[Floats, ...]
-    """mu_g between the breakpoints of g's victim, ``(n_breaks,)`` for each need."""
-    breaks: tuple[Floats, ...]
-    """Where each victim's steps begin, the first at 0."""
+    """mu_g between the breakpoints of g's victim, ``(n_breakpoints,)`` for each task."""
+    breakpoints: tuple[Floats, ...]
+    """Of each victim, the first at 0."""
     victim: tuple[int, ...]
-    """The victim of each need."""
+    """The victim of each task."""
 
-    def charge(self, need: int, times: Floats) -> Floats:
-        """phi_g(t) at `times`, less the reward."""
-        steps = portions(self.breaks[self.victim[need]], times)
-        return np.asarray(steps @ self.density[need] - self.reward[need])
+    def reduced_cost(self, task: int, times: Floats) -> Floats:
+        """phi_g(t) at `times`, less the dual value."""
+        parts = time_in_intervals(self.breakpoints[self.victim[task]], times)
+        return np.asarray(parts @ self.density[task] - self.value[task])
 
     @classmethod
-    def without_reward(
-        cls, priority: Floats, breaks: tuple[Floats, ...], victim: tuple[int, ...]
-    ) -> Prices:
-        """Prices that reward nothing, and charge the needs of a victim alike."""
+    def zero(
+        cls, priority: Floats, breakpoints: tuple[Floats, ...], victim: tuple[int, ...]
+    ) -> Duals:
+        """Dual values of 0, and the same density for all tasks of a victim."""
         share = [priority[v] / victim.count(v) for v in victim]
         density = tuple(
-            np.full(len(breaks[v]), part) for v, part in zip(victim, share, strict=True)
+            np.full(len(breakpoints[v]), part) for v, part in zip(victim, share, strict=True)
         )
-        return cls(np.zeros(len(victim)), density, breaks, victim)
+        return cls(np.zeros(len(victim)), density, breakpoints, victim)
 
-    def on(self, breaks: tuple[Floats, ...]) -> Prices:
-        """The same prices with other breakpoints; between these, each density is the first there."""
+    def on(self, breakpoints: tuple[Floats, ...]) -> Duals:
+        """The same with other breakpoints; between these, each density is the first there."""
         density = tuple(
-            own[np.searchsorted(self.breaks[v], breaks[v], side="right") - 1]
+            own[np.searchsorted(self.breakpoints[v], breakpoints[v], side="right") - 1]
             for v, own in zip(self.victim, self.density, strict=True)
         )
-        return Prices(self.reward, density, breaks, self.victim)
+        return replace(self, density=density, breakpoints=breakpoints)
 
-    def towards(self, other: Prices, share: float) -> Prices:
-        """Prices a `share` of the way to `other`, which has the same breakpoints."""
-        return Prices(
-            (1 - share) * self.reward + share * other.reward,
-            tuple(
-                (1 - share) * mine + share * theirs
-                for mine, theirs in zip(self.density, other.density, strict=True)
-            ),
-            self.breaks,
+    def towards(self, other: Duals, share: float) -> Duals:
+        """A `share` of the way to `other`, which has the same breakpoints."""
+        density = tuple(
+            (1 - share) * mine + share * theirs
+            for mine, theirs in zip(self.density, other.density, strict=True)
+        )
+        return replace(self, value=(1 - share) * self.value + share * other.value, density=density)
+
+    def scaled(self, time: float, priority: float) -> Duals:
+        """The same in units that are so many times as small."""
+        return Duals(
+            self.value * (time * priority),
+            tuple(density * priority for density in self.density),
+            tuple(own * time for own in self.breakpoints),
             self.victim,
         )
 
 
-def portions(breaks: Floats, times: Floats) -> Floats:
-    """How much of each step lies before each time, ``(..., n_breaks)``."""
-    length = np.append(np.diff(breaks), np.inf)
-    return np.clip(np.asarray(times)[..., None] - breaks, 0.0, length)
+def time_in_intervals(breakpoints: Floats, times: Floats) -> Floats:
+    """How much of each interval lies before each time, ``(..., n_breakpoints)``."""
+    length = np.append(np.diff(breakpoints), np.inf)
+    return np.clip(np.asarray(times)[..., None] - breakpoints, 0.0, length)
 
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """The prices that a round of column generation ended with, and what paths remembered then."""
+    """The dual values that a round of column generation ended with, and its neighbourhoods."""
 
-    prices: Prices
+    duals: Duals
     neighbours: dict[int, tuple[Ints, Bools]]
     """By robot: its victims ``(m,)``, and which of them it remembers at which, ``(m, m)``."""
 
 
 @dataclass(frozen=True, eq=False)
 class LatencyRoot:
-    """What was proved before branching, round by round, and by what.
+    """What was proved before branching, round by round, and by what; in the joint problem's units.
 
-    Every round but the first is on networks in which those before it ruled out what no answer better
-    than the incumbent does.
+    Every round but the first is on networks in which those before it ruled out what no solution
+    better than the incumbent does.
     """
 
     value: float
-    """No answer better than the incumbent is worth less."""
-    needs: Needs
-    clocks: dict[int, float]
-    """The robots' steps of time."""
+    """No solution better than the incumbent is worth less."""
+    tasks: Tasks
+    time_steps: dict[int, float]
+    """By robot."""
     rounds: tuple[Round, ...]

@@ -1,178 +1,161 @@
-r"""Column generation for latency: the best prices, and what they rule out.
+r"""The pricing problem: the cheapest paths of a robot's network, by dynamic programming over time.
 
-At any prices, the rewards of all needs and the cheapest path of every robot bound the latency from
-below (weak duality), so neither an early stop nor the linear solver's tolerances can make a bound too
-high. The prices are the duals of the master program on the paths known so far, held back towards the
-best so far; each round adds the cheapest paths that they ask for.
-
-Source: Desaulniers, Desrosiers and Solomon (eds.), *Column generation* (2005); Wentges, *Weighted
-Dantzig-Wolfe decomposition for linear mixed-integer programming* (1997) for held-back prices; Pessoa,
-Uchoa, Poggi and Rodrigues, *Exact algorithm over an arc-time-indexed formulation for parallel machine
-scheduling problems* (2010) for fixing by reduced costs in time-expanded networks.
+Costs belong to what is served and when: ``cost[i, j, t]`` for serving option j (a set of tasks) at
+victim i by time t, infinite where that is ruled out. Times move in blocks no longer than the shortest
+leg, so that whole blocks are computed at once.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Callable
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
-from ...arrays import Floats
-from .duals import Prices, Round
-from .master import Master, Path
-from .ng_network import MOST_REMEMBERED, Network
-
-SMOOTHING = 0.6
-"""How far prices stay with the best so far."""
-UNSERVED = 1e-6
-"""How much may be left unserved in a relaxation that counts as one of routes."""
-RAISE = 4.0
-"""Factor on the price of leaving needs unserved where that is too low."""
-NOTABLE = 0.01
-"""Share of a path from which on it matters where it goes."""
-MOST_CELLS = 20_000_000
-"""States times steps of one network, beyond which no more is remembered."""
+from ...arrays import Floats, Ints
+from .duals import Duals
+from .ng_network import Network, Stops
 
 
-class Watch(Protocol):
-    """Who follows the bound of `Generation.converge`."""
+def reduced_costs(network: Network, duals: Duals) -> Floats:
+    """What serving each option at each time costs, ``(m, n_options, last + 1)``."""
+    times = network.times
+    cost = np.full(network.open.shape, np.inf)
+    for i, options in enumerate(network.options):
+        alone = {g: duals.reduced_cost(g, times) for g in {g for own in options for g in own}}
+        for j, own in enumerate(options):
+            cost[i, j] = np.sum([alone[g] for g in own], axis=0)
+    cost[~network.open] = np.inf
+    return cost
 
-    def left(self) -> float:
-        """Seconds left."""
 
-    def proved(self, bound: float) -> bool:
-        """Told of the bound after every pricing; whether to go on."""
-
-
-class Generation:
-    """Column generation on the networks of all robots.
+class CheapestPaths:
+    """The cheapest way to every state of a network at every time.
 
     Parameters
     ----------
-    networks : sequence of Network
-        One for each robot that can serve something; changed in place.
-    master : Master
-        With paths of these networks.
-    prices : Prices
-        To begin with.
-    dearest : float
-        The price up to which to raise that of leaving needs unserved.
+    network : Network
+        Of one robot.
+    cost : array, shape (m, n_options, last + 1)
+        Of being done with an option at a time.
+    left : callable, optional
+        Seconds left.
+
+    Raises
+    ------
+    TimeoutError
+        Once there are none.
     """
 
     def __init__(
-        self, networks: Sequence[Network], master: Master, prices: Prices, dearest: float
+        self, network: Network, cost: Floats, left: Callable[[], float] | None = None
     ) -> None:
-        self.networks, self.master, self.dearest = networks, master, dearest
-        self._by_robot = {network.robot: network for network in networks}
-        self.prices = prices
-        """The best so far; after `converge`, they prove `proven`."""
-        self.proven = -math.inf
-        self.least: list[float] = []
-        """What the cheapest path of each network costs at those prices; at most 0."""
+        self.network, self.cost = network, cost
+        block, last = network.block, network.last
+        pad = max(int(network.leg.max()), int(network.extra.max()))
+        width = pad + last + 1 + block
+        # `done` is by when service ends, `short` by when the shortest option would end.
+        done, short = np.full((2, network.n_states, width), np.inf)
+        done[-1, pad] = 0.0
+        done_from = sliding_window_view(done.ravel(), block)
+        short_from = sliding_window_view(short.ravel(), block)
+        base = network.tail * width + pad - network.steps
+        heads, victim = network.heads, network.at[network.heads]
+        rows = [heads * width + pad - network.extra[victim, j] for j in range(network.n_options)]
+        ahead = np.pad(cost, ((0, 0), (0, 0), (0, block)), constant_values=np.inf)
+        for t in range(1, last + 1, block):
+            if left is not None and left() <= 0:
+                raise TimeoutError
+            way = np.minimum.reduceat(done_from[base + t], network.first_in, axis=0)
+            short[heads, pad + t : pad + t + block] = way
+            best = way + ahead[victim, 0, t : t + block]
+            for j in range(1, network.n_options):
+                # The shortest option's own row is written, so later ones may read it.
+                np.minimum(
+                    best, short_from[rows[j] + t] + ahead[victim, j, t : t + block], out=best
+                )
+            done[heads, pad + t : pad + t + block] = best
+        self.pad, self.width = pad, width
+        self.done, self.short = done, short
 
-    def converge(self, tolerance: float, watch: Watch) -> bool:
-        """Raise the bound to within `tolerance` of the best; whether it got there."""
-        best = self.prices.on(tuple(self.master.breaks))
-        self.proven = -math.inf
-        self._price(best, watch)
-        if not watch.proved(self.proven):
-            return False
-        smoothing = SMOOTHING
-        while True:
-            current = self.master.solve(max(watch.left(), 0.0))
-            if current is None:
-                return False
-            n_new = self._price(current.towards(self.prices, smoothing), watch)
-            if not watch.proved(self.proven):
-                return False
-            close = self.master.value - self.proven <= tolerance
-            if close or (n_new == 0 and smoothing == 0.0):
-                if self.master.unserved <= UNSERVED or self.master.dear >= self.dearest:
-                    return True
-                self.master.raise_price(RAISE)
-            elif n_new == 0:
-                smoothing = max(smoothing - SMOOTHING / 2, 0.0)
+    @property
+    def values(self) -> Floats:
+        """Minimum cost of having served at each state by each time, ``(n_states, last + 1)``."""
+        return self.done[:, self.pad : self.pad + self.network.last + 1]
 
-    def round(self) -> Round:
-        """What proves `proven`."""
-        neighbours = {n.robot: (n.victims, n.neighbours) for n in self.networks}
-        return Round(self.prices, neighbours)
+    def before(self, extra: Ints) -> Floats:
+        """The same before the service that takes ``extra[s]`` steps more than the shortest."""
+        rows = np.arange(self.network.n_states - 1) * self.width + self.pad - extra
+        before: Floats = sliding_window_view(self.short.ravel(), self.network.last + 1)[rows]
+        return before
 
-    def _price(self, prices: Prices, watch: Watch) -> int:
-        """The bound that `prices` prove, and the paths that they ask for; how many are new."""
-        least: list[float] = []
-        found: list[Path] = []
-        for network in self.networks:
-            try:
-                there = network.forward(self.cost(network, prices), watch.left)
-            except TimeoutError:
-                return 0
-            least.append(min(there.least(), 0.0))
-            found += [(network.robot, stops) for stops in there.paths(0.5 * least[-1])]
-        proven = float(prices.reward.sum()) + sum(least)
-        if proven > self.proven:
-            self.proven, self.prices, self.least = proven, prices, least
-        return self.master.add(found)
+    def minimum(self) -> float:
+        """Cost of the cheapest path; infinite if there is none."""
+        return float(self.values[:-1].min(initial=np.inf))
 
-    def cost(self, network: Network, prices: Prices) -> Floats:
-        """What serving each option at each time costs at `prices`, ``(m, n_options, last + 1)``."""
-        times = network.times
-        cost = np.full(network.open.shape, np.inf)
-        for i, options in enumerate(network.options):
-            charge = {g: prices.charge(g, times) for g in {g for own in options for g in own}}
-            for j, own in enumerate(options):
-                cost[i, j] = np.sum([charge[g] for g in own], axis=0)
-        cost[~network.open] = np.inf
-        return cost
+    def paths(self, below: float, maximum: int) -> list[Stops]:
+        """The cheapest paths that end at different victims, and cost less than `below`."""
+        values = self.values[:-1]
+        when = values.argmin(axis=1)
+        cheapest = values[np.arange(len(values)), when]
+        ends = []
+        for i in np.unique(self.network.at[:-1]):
+            states = np.flatnonzero(self.network.at[:-1] == i)
+            state = int(states[cheapest[states].argmin()])
+            if cheapest[state] < below:
+                ends.append((float(cheapest[state]), state))
+        return [self._trace(state, int(when[state])) for _, state in sorted(ends)[:maximum]]
 
-    def priced(self, most: float) -> list[tuple[Network, Floats, float]]:
-        """Per network its costs, and what its path may cost in an answer worth at most `most`."""
-        return [
-            (network, self.cost(network, self.prices), least + most - self.proven)
-            for network, least in zip(self.networks, self.least, strict=True)
-        ]
-
-    def rule_out(self, most: float) -> None:
-        """Rule out what no answer worth at most `most` does."""
-        for network, cost, spare in self.priced(most):
-            network.fix(cost, spare)
-        self.forget()
-
-    def forget(self) -> None:
-        """Forget the paths that the networks do not have."""
-        self.master.keep(lambda path: self._by_robot[path[0]].allows(path[1]))
-
-    def remember_more(self) -> bool:
-        """Keep paths like those of the last relaxation from coming back; whether any did."""
-        wanted = {network.robot: network.neighbours.copy() for network in self.networks}
-        for share, (robot, stops) in self.master.used:
-            cycle = _shortest_cycle([v for v, _, _ in stops])
-            if share > NOTABLE and cycle:
-                place = {int(v): i for i, v in enumerate(self._by_robot[robot].victims)}
-                for between in cycle:
-                    wanted[robot][place[between], place[cycle[0]]] = True
-        grown = False
-        for network in self.networks:
-            neighbours = wanted[network.robot]
-            more = bool((neighbours != network.neighbours).any())
-            most = int(neighbours.sum(axis=1).max())
-            small = network.n_states * network.last <= MOST_CELLS
-            if more and most <= MOST_REMEMBERED and small:
-                network.remember(neighbours)
-                grown = True
-        if grown:
-            self.forget()
-        return grown
+    def _trace(self, state: int, t: int) -> Stops:
+        network = self.network
+        stops = []
+        while state != network.n_states - 1:
+            i = int(network.at[state])
+            ways = [
+                self.short[state, self.pad + t - network.extra[i, j]] + self.cost[i, j, t]
+                for j in range(len(network.options[i]))
+            ]
+            j = int(np.argmin(ways))
+            stops.append((int(network.victims[i]), network.options[i][j], t * network.step))
+            t -= int(network.extra[i, j])
+            low, high = np.searchsorted(network.head, [state, state + 1])
+            legs = network.steps[low:high]
+            arc = int(self.done[network.tail[low:high], self.pad + t - legs].argmin())
+            state, t = int(network.tail[low + arc]), t - int(legs[arc])
+        return tuple(reversed(stops))
 
 
-def _shortest_cycle(victims: list[int]) -> list[int]:
-    """From a victim to before its next visit, where that is soonest; empty if none is visited twice."""
-    last: dict[int, int] = {}
-    best: list[int] = []
-    for n, v in enumerate(victims):
-        if v in last and (not best or n - last[v] < len(best)):
-            best = victims[last[v] : n]
-        last[v] = n
-    return best
+def costs_to_go(network: Network, cost: Floats) -> tuple[Floats, Floats]:
+    """What the cheapest way on costs, at ``cost (m, n_options, last + 1)``.
+
+    Returns
+    -------
+    after : array, shape (n_states, last + 1)
+        From a state whose service is done at that time; at most 0, for stopping there.
+    into : array, shape (n_states, >= last + 1)
+        From a state whose shortest option would be done at that time; infinite beyond `last`.
+    """
+    block, last = network.block, network.last
+    beyond = max(int(network.leg.max()), int(network.extra.max())) + block
+    width = block + last + 1 + beyond
+    after, into = np.full((2, network.n_states, width), np.inf)
+    victim = network.at[:-1]
+    around = ((0, 0), (0, 0), (block, beyond))
+    ahead = np.pad(cost, around, constant_values=np.inf)
+    into_from = sliding_window_view(into.ravel(), block)
+    after_from = sliding_window_view(after.ravel(), block)
+    base = (network.head * width + network.steps)[network.outward]
+    rows = np.arange(network.n_states - 1) * width
+    for t in range(last + 1, 0, -block):
+        # Columns t .. t + block - 1 stand for times that are `block` less.
+        own = np.minimum.reduceat(into_from[base + t], network.first_out, axis=0)
+        after[:, t : t + block] = 0.0
+        after[network.tails, t : t + block] = np.minimum(own, 0.0)
+        best = np.full((network.n_states - 1, block), np.inf)
+        for j in range(network.n_options):
+            extra = network.extra[victim, j]
+            onward = after_from[rows + extra + t]
+            when = t + extra[:, None] + np.arange(block)
+            np.minimum(best, onward + ahead[victim[:, None], j, when], out=best)
+        into[:-1, t : t + block] = best
+    return after[:, block : block + last + 1], into[:, block:]

@@ -1,25 +1,24 @@
 """What proves a bound on latency before branching, in words that outlive the program.
 
-The rounds of `latency_prices.LatencyRoot`, by the ids of robots and victims; see `mission.proof`.
+The rounds of `duals.LatencyRoot`, by the ids of robots and victims; see `mission.proof`.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any
 
 from ...mission.instance import Instance
 from ...mission.proof import LatencyProof
 from ..problem import RoutingData
+from ..run_highs import highs_version
 from .duals import LatencyRoot, Round
-from .tasks import Needs
 
 _PARTS = 10**9
-"""Charges are rounded down by up to two such parts of a victim's priority: they never add up to more."""
+"""Densities are rounded down by up to two such parts of a priority: they never add up to more."""
 _DIGITS = 12
-"""Significant digits of a reward: any rewards prove a bound, these the same one to that precision."""
+"""Significant digits of a dual value: any prove a bound, these the same one to that precision."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,69 +31,60 @@ class LatencyEvidence:
     """Its programs are not stored."""
 
     def written(self, instance: Instance, worth: float) -> LatencyProof:
-        """By the ids of `instance`, for routes worth `worth`."""
-        return latency_proof(instance, self.data, self.root, worth)
+        """The proof of the root bound.
 
+        Parameters
+        ----------
+        instance : Instance
+            With the known victims, in the order of `data`.
+        worth : float
+            Value of the routes found: no bound is above it.
+        """
+        return LatencyProof.model_validate(
+            {
+                "bound": min(self.root.value, worth),
+                "solver": highs_version(),
+                "time_steps": [
+                    {"robot": instance.robots[r].id, "length": step}
+                    for r, step in self.root.time_steps.items()
+                ],
+                "rounds": [self._round(instance, part) for part in self.root.rounds],
+            }
+        )
 
-def latency_proof(
-    instance: Instance, data: RoutingData, root: LatencyRoot, worth: float
-) -> LatencyProof:
-    """The proof of a root bound on latency.
-
-    Parameters
-    ----------
-    instance : Instance
-        With the known victims, in the order of `data`.
-    data : RoutingData
-        The joint problem.
-    root : LatencyRoot
-        What its search proved before branching.
-    worth : float
-        Value of the routes found: no bound is above it.
-    """
-    return LatencyProof.model_validate(
-        {
-            "bound": min(root.value, worth),
-            "solver": f"highs {version('highspy')}",
-            "time_steps": [
-                {"robot": instance.robots[r].id, "length": step} for r, step in root.clocks.items()
+    def _round(self, instance: Instance, part: Round) -> dict[str, Any]:
+        victims = [victim.id for victim in instance.victims]
+        tasks, duals = self.root.tasks, part.duals
+        return {
+            "tasks": [
+                {
+                    "victim": victims[v],
+                    "kinds": [instance.capabilities[k] for k in kinds],
+                    "dual": float(f"{duals.value[g]:.{_DIGITS}g}"),
+                    "densities": [
+                        _down(mu, float(self.data.priority[v])) for mu in duals.density[g]
+                    ],
+                }
+                for g, (v, kinds) in enumerate(zip(tasks.victim, tasks.kinds, strict=True))
             ],
-            "rounds": [_round(instance, data, root.needs, part) for part in root.rounds],
+            "breakpoints": [
+                {"victim": victims[v], "times": own[1:].tolist()}
+                for v, own in enumerate(duals.breakpoints)
+                if len(own) > 1
+            ],
+            "neighbourhoods": [
+                {
+                    "robot": instance.robots[r].id,
+                    "victim": victims[own[i]],
+                    "remembers": [victims[w] for w in own[row] if w != own[i]],
+                }
+                for r, (own, neighbours) in part.neighbours.items()
+                for i, row in enumerate(neighbours)
+                if row.sum() > 1
+            ],
         }
-    )
 
 
-def _round(instance: Instance, data: RoutingData, needs: Needs, part: Round) -> dict[str, Any]:
-    victims = [victim.id for victim in instance.victims]
-    prices = part.prices
-    return {
-        "tasks": [
-            {
-                "victim": victims[v],
-                "kinds": [instance.capabilities[k] for k in kinds],
-                "dual": float(f"{prices.reward[g]:.{_DIGITS}g}"),
-                "densities": [_down(mu, float(data.priority[v])) for mu in prices.density[g]],
-            }
-            for g, (v, kinds) in enumerate(zip(needs.victim, needs.kinds, strict=True))
-        ],
-        "breakpoints": [
-            {"victim": victims[v], "times": breaks[1:].tolist()}
-            for v, breaks in enumerate(prices.breaks)
-            if len(breaks) > 1
-        ],
-        "neighbourhoods": [
-            {
-                "robot": instance.robots[r].id,
-                "victim": victims[own[i]],
-                "remembers": [victims[w] for w in own[row] if w != own[i]],
-            }
-            for r, (own, neighbours) in part.neighbours.items()
-            for i, row in enumerate(neighbours)
-            if row.sum() > 1
-        ],
-    }
-
-
-def _down(charge: float, priority: float) -> float:
-    share = charge / priority if priority else 0.0
+def _down(density: float, priority: float) -> float:
+    share = density / priority if priority else 0.0
     return priority if share >= 1.0 else max(math.floor(share * _PARTS) - 1, 0) * priority / _PARTS

@@ -1,27 +1,24 @@
-r"""The least latency: an answer and a bound that close in on each other.
+r"""Branch and price: the minimum latency, by a solution and a bound that close in on each other.
 
-1. Prices take the objective apart into one problem per robot (`latency_prices`); the cheapest paths of
-   the robots' networks (`latency_network`) at any prices bound the latency from below.
-2. The best prices are the duals of a linear program on the paths found so far (`latency_master`), solved
-   by column generation. Breakpoints of the prices, and the victims that paths remember, are added
-   where its solution shows that they are missing.
-3. Between rounds, what only paths too dear for a better answer do is ruled out, and whole paths are
-   chosen among those known, for better answers.
-4. When little is open, all routes that a better answer may use are listed (`latency_routes`), and an
-   integer program on the list closes the gap.
+1. Dual values decompose the objective into one problem per robot (`duals`); the cheapest paths of the
+   robots' networks (`pricing`) at any of them bound the latency from below.
+2. The best are those of a linear program on the paths found so far (`master`), solved by
+   `column_generation`. `breakpoints`, and victims that paths remember, are added where its solution
+   shows that they are missing.
+3. Between rounds, what only paths of too high a cost for a better solution do is ruled out
+   (`reduced_cost_fixing`), and whole routes are chosen among the paths known (`route_selection`).
+4. When little is open, all routes that a better solution may use are listed (`enumeration`), and an
+   integer program on the list closes the gap; else the node is divided in two (`branching`).
 
 Limits on how long or far robots go may be left out of the networks: bounds stay valid, since limits
-only make plans dearer. It may be stopped at any moment.
+only make plans worse. It may be stopped at any moment.
 
-Source: Desaulniers, Desrosiers and Solomon (eds.), *Column generation* (2005) for the method; Wentges,
-*Weighted Dantzig-Wolfe decomposition for linear mixed-integer programming* (1997) for smoothed prices.
+Source: Desaulniers, Desrosiers and Solomon (eds.), *Column generation* (2005).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from heapq import heappop, heappush
 from itertools import count
 
 import numpy as np
@@ -32,35 +29,22 @@ from ..heuristics.ruin_and_recreate import ruin_and_recreate
 from ..incumbent import ROUNDING, Progress
 from ..parameters import Parameters
 from ..problem import Routes, RoutingData
+from ..stop import StoppingCriterion
 from .branching import decision
-from .duals import LatencyRoot, Prices, Round
-from .enumeration import all_paths
-from .master import Master, Path
+from .breakpoints import refine
+from .column_generation import ColumnGeneration
+from .duals import Duals, LatencyRoot, Round
+from .enumeration import enumerate_routes
+from .master import Master
 from .ng_network import Network
-from .pricing import Generation
+from .path_program import Path, PathProgram, paths_of, routes_of
 from .root_proof import LatencyEvidence
-from .tasks import Needs
+from .route_selection import select_routes
+from .tasks import Tasks
+from .tree import Node, Tree
 
-REMEMBERED = 4
-"""Victims in a neighbourhood to begin with, itself included."""
-MOST_LABELS = 30_000
-"""Routes under way, per robot, beyond which listing them all is given up."""
-MOST_LISTED = 4_000
-"""Routes of all robots that are chosen from."""
-FIRST_TOLERANCE, SHRINKING, LAST_TOLERANCE = 2e-2, 0.3, 5e-5
-"""Relative to the incumbent's value: how well the rounds of column generation converge at first."""
-LATER_TOLERANCE = 3e-4
-"""The same after branching."""
-MEMORABLE_TOLERANCE = 1e-3
-"""The same, from which on paths are kept from coming back."""
-ENOUGH = 0.03
-"""Share of what is still missing that breakpoints must bring for another round."""
-DEAR, DEAREST = 3.0, 4.0
-"""The price of leaving a need unserved: at first, in mean completion times; at last, in latencies."""
 LEEWAY = 0.1 * ROUNDING
 """Share by which bounds are lowered, for the sums of floats that they are."""
-LONGEST_POLISH = 20.0
-"""Seconds of local search at a time."""
 
 
 def branch_and_price(
@@ -83,228 +67,148 @@ def branch_and_price(
     SolverError
         If a bound exceeds the value of feasible routes: a bug, never to be passed over.
     """
-    data = progress.data
     progress.leeway = LEEWAY
     progress.bound_at_once()
-    root = None
+    evidence = None
     if not progress.done():
-        search = _Run(data, progress, seed, parameters or Parameters())
+        search = _Search(progress, seed, parameters or Parameters())
         search.run()
-        root = search.root()
-    return Bound(
-        progress.bound,
-        progress.proof,
-        progress.step.step,
-        root=None if root is None else LatencyEvidence(root, data),
-    )
+        evidence = search.evidence()
+    return Bound(progress.bound, progress.proof, progress.step.step, root=evidence)
 
 
-@dataclass(order=True)
-class _Node:
-    """A part of all answers."""
+class _Search:
+    """One run of branch and price."""
 
-    bound: float
-    """None of them is worth less."""
-    number: int
-    """Of when it was made."""
-    networks: list[Network] = field(compare=False)
-    paths: list[Path] = field(compare=False)
-    prices: Prices = field(compare=False)
-    """To begin with."""
-
-
-class _Run:
-    """Branch and price."""
-
-    def __init__(
-        self, data: RoutingData, progress: Progress, seed: int, parameters: Parameters
-    ) -> None:
-        self.data, self.progress, self.seed = data, progress, seed
-        self.parameters = parameters
-        self.needs = Needs.from_data(data)
-        self.master = Master(data, self.needs, dear=DEAR * progress.value / data.n_victims)
-        self.nodes: list[_Node] = []
-        """Open ones, as a heap."""
-        self.n_nodes = 0
-        self.here = -math.inf
-        """The bound of the node in work."""
-        self.left_open = math.inf
-        """The least bound of nodes that were given up."""
+    def __init__(self, progress: Progress, seed: int, parameters: Parameters) -> None:
+        self.progress, self.seed = progress, seed
+        self.heuristics, self.parameters = parameters.heuristics, parameters.branch_and_price
+        self.data = progress.data
+        self.tasks = Tasks.from_data(self.data)
+        mean = progress.value / self.data.n_victims
+        self.master = Master(self.data, self.tasks, self.parameters.artificial_cost * mean)
+        self.tree = Tree()
         self.proof: Proof = "column generation"
-        self.clocks: dict[int, float] = {}
+        self.time_steps: dict[int, float] = {}
         self.rounds: list[Round] = []
-        """Of the first node."""
-        self.proved_by_rounds = -math.inf
+        """Of the root."""
+        self.proved_at_root = -math.inf
 
-    def root(self) -> LatencyRoot | None:
-        """What was proved by prices without branching, if it is more than what follows at once."""
-        if not self.rounds or self.progress.proof == "combinatorial":
-            return None
-        value = self.progress.possible(self.proved_by_rounds)
-        return LatencyRoot(value, self.needs, self.clocks, tuple(self.rounds))
+    @property
+    def stop(self) -> StoppingCriterion:
+        """When to end."""
+        return self.progress.stop
 
     def run(self) -> None:
-        """Close in until done."""
-        deadline = _deadlines(self.data, self.progress.value)
-        networks = [
-            Network(self.data, self.needs, r, deadline)
-            for r in range(self.data.n_robots)
-            if self.data.can_visit[r].any()
-        ]
-        if any(network.timeless for network in networks):
+        """Bound, enumerate and branch until done."""
+        if not self.open_root():
             return
-        self.clocks = {network.robot: network.step for network in networks}
-        for network in networks:
-            network.remember(network.nearest(REMEMBERED))
-        prices = Prices.without_reward(
-            self.data.priority, tuple(self.master.breaks), self.needs.victim
-        )
-        paths = _paths_of(self.data, self.needs, self.progress.routes)
-        self.open(networks, paths, prices, -math.inf)
-        while self.nodes and not self.progress.done():
-            node = heappop(self.nodes)
-            self.here = node.bound
+        while self.tree and not self.progress.done():
+            node = self.tree.next()
             if not self.progress.can_be_pruned(node.bound):
-                self.work(node)
+                self.process(node)
             if self.progress.done():
                 return
-            self.here = math.inf
+            self.tree.close()
             self.tell()
 
-    def open(
-        self, networks: list[Network], paths: list[Path], prices: Prices, bound: float
-    ) -> None:
-        """Open a node."""
-        heappush(self.nodes, _Node(bound, self.n_nodes, networks, paths, prices))
-        self.n_nodes += 1
+    def open_root(self) -> bool:
+        """Open the root, if networks of a size to work with order the visits in time."""
+        data, p = self.data, self.parameters
+        robots = [r for r in range(data.n_robots) if data.can_visit[r].any()]
+        if any(
+            2 ** self.tasks.in_one_visit(r, v) > p.maximum_options
+            for r in robots
+            for v in range(data.n_victims)
+        ):
+            return False
+        deadline = _deadlines(data, self.progress.value)
+        networks = [Network(data, self.tasks, r, deadline, p.maximum_steps) for r in robots]
+        if any(network.timeless for network in networks):
+            return False
+        self.time_steps = {network.robot: network.step for network in networks}
+        for network in networks:
+            network.remember(network.nearest(p.first_neighbourhood))
+        duals = Duals.zero(data.priority, tuple(self.master.breakpoints), self.tasks.victim)
+        self.tree.open(networks, self.paths_of(self.progress.routes), duals, -math.inf)
+        return True
 
-    def left(self) -> float:
-        """Seconds left; none once someone asked to stop."""
-        return self.progress.left()
-
-    def tell(self) -> None:
-        """Raise the bound to that of the least open node."""
-        least = min([self.here, self.left_open, *(node.bound for node in self.nodes[:1])])
-        if least > -math.inf:
-            self.progress.raise_bound(least, self.proof, of_better=True)
-
-    def proved(self, bound: float) -> bool:
-        """Take note of the bound of the node in work; whether to go on with it."""
-        self.here = max(self.here, bound)
-        self.tell()
-        return not self.progress.done() and not self.progress.can_be_pruned(self.here)
-
-    def work(self, node: _Node) -> None:
-        """Bound a node; close it or part it in two, unless time runs out."""
-        generation = Generation(
-            node.networks, self.master, node.prices, DEAREST * self.progress.value
+    def process(self, node: Node) -> None:
+        """Bound a node; close it by enumeration or divide it in two, unless time runs out."""
+        generation = ColumnGeneration(
+            node.networks,
+            self.master,
+            node.duals,
+            self.parameters.largest_artificial_cost * self.progress.value,
+            self.parameters,
         )
         self.master.paths = node.paths
         generation.forget()
-        root = node.number == 0
-        tolerance = FIRST_TOLERANCE if root else LATER_TOLERANCE
+        used = self.converge(generation, root=node.number == 0)
+        if used is None:
+            self.leave()
+        elif not self.enumerate(generation):
+            if self.progress.done():
+                self.leave()
+            else:
+                self.branch(generation, used)
+
+    def converge(
+        self, generation: ColumnGeneration, *, root: bool
+    ) -> list[tuple[float, Path]] | None:
+        """Column generation in rounds, each on a better relaxation and a smaller network.
+
+        Returns the shares of paths in the last relaxation; ``None`` if there is nothing more to do.
+        """
+        p = self.parameters
+        tolerance, last = p.first_tolerance, p.last_tolerance
+        if not root:
+            tolerance = last = p.node_tolerance
         for n in count():
             converged = generation.converge(tolerance * self.progress.value, self)
             if root and generation.proven > -math.inf:
                 self.rounds.append(generation.round())
-                self.proved_by_rounds = max(self.proved_by_rounds, generation.proven)
+                self.proved_at_root = max(self.proved_at_root, generation.proven)
             if not converged:
-                self.give_up()
-                return
-            gain = self.master.refine(generation.prices)
+                return None
+            gain = refine(self.master, generation.duals, p.maximum_breakpoints)
             if root and n == 1:
                 self.polish()
             if n > 0 or not root:
-                self.choose()
+                self.select()
             if not self.proved(generation.proven):
-                self.give_up()
-                return
+                return None
             used = self.master.used
-            generation.rule_out(self.most())
+            generation.fix(self.cutoff())
             # Before, relaxations are too far from their end to tell what is worth remembering.
-            grown = tolerance <= MEMORABLE_TOLERANCE and generation.remember_more()
-            last = tolerance <= (LAST_TOLERANCE if root else LATER_TOLERANCE)
-            missing = self.progress.value - self.here
-            if last and gain <= ENOUGH * missing and not grown:
-                break
-            tolerance = max(SHRINKING * tolerance, LAST_TOLERANCE)
-        if self.close(generation):
-            return
-        if self.progress.done():
-            self.give_up()
-        else:
-            self.part(generation, used)
+            grown = tolerance <= p.growing_tolerance and generation.grow_neighbourhoods()
+            open_ = self.progress.value - self.tree.current
+            if tolerance <= last and gain <= p.breakpoint_gain * open_ and not grown:
+                return used
+            tolerance = max(p.tolerance_factor * tolerance, p.last_tolerance)
+        raise AssertionError("counting never ends")
 
-    def give_up(self) -> None:
-        """Leave the node in work as it is, unless there is nothing more to it."""
-        if not self.progress.can_be_pruned(self.here):
-            self.left_open = min(self.left_open, self.here)
-
-    def most(self) -> float:
-        """What answers are worth at most that are better than the incumbent, with some leeway."""
-        return self.progress.better() + ROUNDING * max(1.0, self.progress.value)
-
-    def choose(self) -> None:
-        """Choose whole paths among those known, for better routes."""
-        if self.progress.done():
-            return
-        chosen = self.master.integer(
-            cutoff=self.most(),
-            time_limit=0.02 * self.progress.left(),
-            seed=self.seed,
-            should_stop=self.progress.done,
-        )
-        if chosen.routes is not None:
-            self.offer(chosen.routes)
-
-    def polish(self) -> None:
-        """Local search on the incumbent."""
-        progress = self.progress
-        seconds = min(0.1 * progress.left(), progress.spent(), LONGEST_POLISH)
-        routes = ruin_and_recreate(
-            self.data,
-            progress.routes,
-            progress.objective,
-            stop=progress.until_done(seconds),
-            seed=self.seed + 1,
-            parameters=self.parameters.heuristics,
-        )
-        self.offer(routes)
-
-    def offer(self, routes: Routes) -> None:
-        """Routes that may be better than the incumbent."""
-        if self.progress.offer(routes):
-            self.master.add(_paths_of(self.data, self.needs, routes))
-
-    def close(self, generation: Generation) -> bool:
-        """List all routes that matter and choose among them; whether that could be done."""
+    def enumerate(self, generation: ColumnGeneration) -> bool:
+        """List all routes that matter and choose among them; whether that closed the node."""
         paths: list[Path] = []
-        for network, cost, spare in generation.priced(self.most()):
-            own = all_paths(self.data, self.needs, network, cost, spare, MOST_LABELS)
-            if own is None or len(paths) + len(own) > MOST_LISTED:
+        for network, cost, allowed in generation.allowed_costs(self.cutoff()):
+            own = enumerate_routes(self.data, self.tasks, network, cost, allowed, self.parameters)
+            if own is None or len(paths) + len(own) > self.parameters.maximum_routes:
                 return False
             paths += own
         if self.proof == "column generation":
             self.proof = "route enumeration"
-        chosen = self.master.integer(
-            paths=paths,
-            cutoff=self.most(),
-            time_limit=max(0.2 * self.progress.left(), 1.0),
-            seed=self.seed,
-            should_stop=self.progress.done,
-            proved=self.proved,
-        )
-        if chosen.routes is not None:
-            self.offer(chosen.routes)
-        return not self.proved(chosen.bound)
+        seconds = max(self.parameters.enumeration_share * self.progress.left(), 1.0)
+        bound = self.choose(paths, seconds, tell=True)
+        return not self.proved(bound)
 
-    def part(self, generation: Generation, used: list[tuple[float, Path]]) -> None:
+    def branch(self, generation: ColumnGeneration, used: list[tuple[float, Path]]) -> None:
         """Open two nodes for the two sides of a decision that the relaxation leaves open."""
-        sides = decision(self.data, self.needs, used)
+        sides = decision(self.data, self.tasks, used, self.parameters.undecided_share)
         if not sides:
             # The paths agree on everything: they are routes, worth what the relaxation says.
-            self.offer(self.master.routes(path for _, path in used))
-            self.give_up()
+            self.offer(routes_of(self.data, self.tasks, (path for _, path in used)))
+            self.leave()
             return
         self.proof = "branch and price"
         paths = self.master.paths
@@ -312,22 +216,95 @@ class _Run:
             networks = [network.copy() for network in generation.networks]
             for network in networks:
                 restrict(network)
-            self.open(networks, paths, generation.prices, self.here)
+            self.tree.open(networks, paths, generation.duals, self.tree.current)
+
+    # The bound
+
+    def proved(self, bound: float) -> bool:
+        """Take note of a bound on the node in work; whether to go on with it."""
+        self.tree.raise_current(bound)
+        self.tell()
+        return not self.progress.done() and not self.progress.can_be_pruned(self.tree.current)
+
+    def tell(self) -> None:
+        """Raise the bound to that of all nodes."""
+        if self.tree.bound > -math.inf:
+            self.progress.raise_bound(self.tree.bound, self.proof, of_better=True)
+
+    def leave(self) -> None:
+        """Leave the node in work as it is, unless it can be pruned."""
+        if not self.progress.can_be_pruned(self.tree.current):
+            self.tree.leave()
+
+    def cutoff(self) -> float:
+        """What solutions that are better than the incumbent are worth at most, with some leeway."""
+        return self.progress.better() + ROUNDING * max(1.0, self.progress.value)
+
+    def evidence(self) -> LatencyEvidence | None:
+        """What was proved at the root, if it is more than what follows at once."""
+        if not self.rounds or self.progress.proof == "combinatorial":
+            return None
+        value = self.progress.possible(self.proved_at_root)
+        root = LatencyRoot(value, self.tasks, self.time_steps, tuple(self.rounds))
+        return LatencyEvidence(root, self.data)
+
+    # The incumbent
+
+    def select(self) -> None:
+        """Choose whole routes among the paths known."""
+        if not self.progress.done():
+            self.choose(self.master.paths, self.parameters.selection_share * self.progress.left())
+
+    def choose(self, paths: list[Path], seconds: float, *, tell: bool = False) -> float:
+        """The bound of the best choice of `paths`, which may be a better incumbent."""
+        selection = select_routes(
+            PathProgram(self.data, self.tasks, self.master.breakpoints, seed=self.seed),
+            paths,
+            self.progress.until_done(seconds),
+            self.cutoff(),
+            self.proved if tell else None,
+        )
+        if selection.routes is not None:
+            self.offer(selection.routes)
+        return selection.bound
+
+    def polish(self) -> None:
+        """Ruin and recreate on the incumbent."""
+        progress, p = self.progress, self.parameters
+        seconds = min(p.polish_share * progress.left(), progress.spent(), p.polish_seconds)
+        self.offer(
+            ruin_and_recreate(
+                self.data,
+                progress.routes,
+                progress.objective,
+                stop=progress.until_done(seconds),
+                seed=self.seed + 1,
+                parameters=self.heuristics,
+            )
+        )
+
+    def offer(self, routes: Routes) -> None:
+        """Routes that may be better than the incumbent."""
+        if self.progress.offer(routes):
+            self.master.add(self.paths_of(routes))
+
+    def paths_of(self, routes: Routes) -> list[Path]:
+        """The paths that `routes` are."""
+        return paths_of(self.data, self.tasks, routes)
 
 
 def _deadlines(data: RoutingData, value: float) -> Floats:
-    """No answer better than `value` completes a victim later, ``(n_victims,)``."""
-    alone = np.where(data.able, _least_ways(data)[:, :, None] + data.service[None], np.inf)
+    """No solution better than `value` completes a victim later, ``(n_victims,)``."""
+    alone = np.where(data.able, _shortest_ways(data)[:, :, None] + data.service[None], np.inf)
     soonest = np.where(data.required, alone.min(axis=0), 0.0).max(axis=1)
     spare = value - float(data.priority @ soonest)
-    weight = data.priority
-    later: Floats = np.full(len(weight), np.inf)
-    np.divide(spare, weight, out=later, where=weight > 0)
+    later: Floats = np.full(len(data.priority), np.inf)
+    np.divide(spare, data.priority, out=later, where=data.priority > 0)
     return np.asarray(soonest + later)
 
 
-def _least_ways(data: RoutingData) -> Floats:
-    """Least travel of r to v, by whatever detour, ``(n_robots, n_victims)``."""
+def _shortest_ways(data: RoutingData) -> Floats:
+    """Shortest travel of r to v, by whatever detour, ``(n_robots, n_victims)``."""
     pair = data.can_visit[:, :, None] & data.can_visit[:, None, :]
     between = np.where(pair, data.between, np.inf)
     way: Floats = np.where(data.can_visit, data.leave, np.inf)
@@ -336,17 +313,3 @@ def _least_ways(data: RoutingData) -> Floats:
         if np.array_equal(shorter, way):
             return way
         way = shorter
-
-
-def _paths_of(data: RoutingData, needs: Needs, routes: Routes) -> list[Path]:
-    paths = []
-    for r, route in enumerate(routes):
-        clock, before, stops = 0.0, -1, []
-        for v, kinds in route:
-            clock += float(data.leave[r, v] if before < 0 else data.between[r, before, v])
-            clock += float(data.service[v, list(kinds)].sum())
-            stops.append((v, needs.served(v, kinds), clock))
-            before = v
-        if stops:
-            paths.append((r, tuple(stops)))
-    return paths

@@ -11,27 +11,27 @@ from ..problem import RoutingData
 
 
 @dataclass(frozen=True, eq=False)
-class Needs:
+class Tasks:
     """The requirements by number.
 
-    Those of one victim that only one and the same robot can serve are one need: it serves them
+    Those of one victim that only one and the same robot can serve are one task: it serves them
     together, since it visits a victim at most once.
     """
 
     victim: tuple[int, ...]
-    """The victim of each need."""
+    """The victim of each task."""
     kinds: tuple[tuple[int, ...], ...]
-    """The kinds of requirement that make up each need."""
+    """The kinds of requirement that make up each task."""
     service: tuple[float, ...]
-    """Service time of each need."""
+    """Service time of each task."""
     able: Bools
-    """Whether robot r can serve need g, ``(n_robots, n_needs)``."""
+    """Whether robot r can serve task g, ``(n_robots, n_tasks)``."""
     of: tuple[tuple[int, ...], ...]
-    """The needs of each victim."""
+    """The tasks of each victim."""
 
     @classmethod
-    def from_data(cls, data: RoutingData) -> Needs:
-        """The needs of the joint problem."""
+    def from_data(cls, data: RoutingData) -> Tasks:
+        """The tasks of the joint problem."""
         victim: list[int] = []
         kinds: list[tuple[int, ...]] = []
         of: list[tuple[int, ...]] = []
@@ -57,9 +57,13 @@ class Needs:
         return len(self.victim)
 
     def split(self, v: int) -> bool:
-        """Whether the needs of victim `v` may be served by different robots."""
+        """Whether the tasks of victim `v` may be served by different robots."""
         return len(self.of[v]) > 1
 
     def served(self, v: int, kinds: tuple[int, ...]) -> tuple[int, ...]:
-        """The needs of victim `v` that consist of `kinds`."""
+        """The tasks of victim `v` that consist of `kinds`."""
         return tuple(g for g in self.of[v] if set(self.kinds[g]) <= set(kinds))
+
+    def in_one_visit(self, robot: int, v: int) -> int:
+        """How many tasks of victim `v` a robot can serve."""
+        return sum(bool(self.able[robot, g]) for g in self.of[v])

@@ -1,4 +1,4 @@
-"""The least latency: against brute force, at any moment, and within its limits."""
+"""The minimum latency: against brute force, at any moment, and within its limits."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_limits_and_the_way_back_are_kept_to(seed: int) -> None:
     assert_proven(limited, incumbent)
 
 
-def test_a_limit_makes_the_dearer_order_the_least() -> None:
+def test_a_limit_makes_the_longer_order_the_best() -> None:
     """At 0, victims at -1 and 4: walking 6 by the near one first, latency 1 + 6; returning takes 10.
 
     With the way back counted the walk is 10 either way, so what a limit forbids shows on the open
@@ -177,7 +177,7 @@ def test_latency_comes_in_steps_of_time_and_priority(priorities: list[float], st
     assert objective_step(odd, "latency").step == 0
 
 
-def test_a_bound_that_follows_at_once_needs_no_prices() -> None:
+def test_a_bound_that_follows_at_once_needs_no_dual_values() -> None:
     """By itself each of two robots takes its own victim, and is done with it at once."""
     data = RoutingData(
         leave=np.array([[3.0, 9.0], [9.0, 4.0]]),
