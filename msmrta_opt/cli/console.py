@@ -10,16 +10,20 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console
 
-WIDTH_OF_FILES = 160
-"""Columns where the output is not a terminal."""
+WIDTH_OF_FILES = 10_000
+"""Columns where the output is not a terminal: as many as any table takes."""
+NARROWEST = 12
+"""Columns of a terminal that a text is given at least before a table becomes a list of records."""
+BETWEEN = 3
+"""Columns between two of a table's."""
 
 
 @cache
 def console() -> Console:
-    """The console that all commands print to."""
+    """The console that all commands print to; where it is no terminal, lines are never broken."""
     from rich.console import Console
 
-    width = None if sys.stdout.isatty() else WIDTH_OF_FILES
+    width = None if sys.stdout is not None and sys.stdout.isatty() else WIDTH_OF_FILES
     return Console(width=width, highlight=False)
 
 
@@ -31,28 +35,71 @@ def say(text: str = "") -> None:
 def table(
     title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, wraps: str = ""
 ) -> None:
-    """Print a table; columns of numbers are aligned to the right.
+    """Print a table; columns of numbers are aligned to the right, and never broken.
 
-    Only the column `wraps`, by default the last, is broken where the width does not suffice.
+    Where the width does not suffice, the column `wraps`, by default the last of text, is broken
+    first, then every other of text; where even that does not suffice, there is one record below another.
     """
+    body = [[_cell(value) for value in row] for row in rows]
+    numeric = [bool(body) and all(_is_number(row[i]) for row in body) for i in range(len(columns))]
+    widths = _widths(columns, body, numeric, wraps)
+    console().print(title, style="bold", markup=False)
+    if widths is None:
+        _print_records(columns, body, numeric)
+    else:
+        _print_columns(columns, body, numeric, widths)
+
+
+def _widths(
+    columns: Sequence[str], body: Sequence[Sequence[str]], numeric: Sequence[bool], wraps: str
+) -> list[int] | None:
+    """Columns of the terminal for each of the table's; ``None`` if they do not fit."""
+    from rich.cells import cell_len
+
+    widths = [
+        max(cell_len(text) for text in (column, *(row[i] for row in body)))
+        for i, column in enumerate(columns)
+    ]
+    excess = sum(widths) + BETWEEN * len(columns) - console().width
+    texts = [i for i in reversed(range(len(columns))) if not numeric[i]]
+    for i in sorted(texts, key=lambda i: columns[i] != wraps):
+        spared = min(max(excess, 0), max(widths[i] - NARROWEST, 0))
+        widths[i] -= spared
+        excess -= spared
+    return widths if excess <= 0 else None
+
+
+def _print_columns(
+    columns: Sequence[str],
+    body: Sequence[Sequence[str]],
+    numeric: Sequence[bool],
+    widths: Sequence[int],
+) -> None:
     from rich.box import SIMPLE
     from rich.table import Table
     from rich.text import Text
 
-    body = [[_cell(value) for value in row] for row in rows]
     raw = Table(box=SIMPLE, pad_edge=False)
-    for i, column in enumerate(columns):
-        numeric = bool(body) and all(_is_number(row[i]) for row in body)
+    for column, is_number, width in zip(columns, numeric, widths, strict=True):
         raw.add_column(
-            column,
-            justify="right" if numeric else "left",
-            overflow="fold",
-            no_wrap=column != (wraps or columns[-1]),
+            column, justify="right" if is_number else "left", overflow="fold", width=width
         )
     for row in body:
         raw.add_row(*(Text(value) for value in row))
-    console().print(title, style="bold", markup=False)
     console().print(raw)
+
+
+def _print_records(
+    columns: Sequence[str], body: Sequence[Sequence[str]], numeric: Sequence[bool]
+) -> None:
+    """One row below another, a line for each of its values, the numbers first."""
+    order = sorted(range(len(columns)), key=lambda i: (i > 0 and not numeric[i], i))
+    for row in body:
+        say()
+        for i in order:
+            if row[i]:
+                say(f"{columns[i]}: {row[i]}")
+    say()
 
 
 def number(value: float | None, digits: int = 6) -> str:
@@ -72,4 +119,10 @@ def _cell(value: object) -> str:
 
 
 def _is_number(text: str) -> bool:
-    return text in ("–", "") or text.replace(".", "", 1).replace("-", "", 1).isdigit()
+    if text in ("–", ""):
+        return True
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
