@@ -70,7 +70,7 @@ class Followed:
     """As reported, and at the end."""
     proof: str
     memory: float
-    """Most MiB that were resident."""
+    """Peak of resident memory, MiB."""
 
     def at(self, seconds: float) -> State | None:
         """The state after so many seconds, ``None`` before the first report."""
@@ -112,7 +112,7 @@ def follow(size: str, number: int, objective: str, seconds: float) -> Followed:
 
 
 def peak_memory() -> float:
-    """Most MiB of this process that were resident."""
+    """Peak of this process's resident memory, MiB."""
     import resource
 
     unit = 2**20 if sys.platform == "darwin" else 2**10
@@ -205,9 +205,9 @@ def table(rows: Sequence[Row]) -> Iterator[str]:
         if ends:
             proven = sum(row.gap <= PROVEN for row in ends)
             ended = statistics.median(row.ended for row in ends)
-            most = max(row.memory for row in ends)
+            peak = max(row.memory for row in ends)
             cells.append(f"proven {proven} of {len(ends)}")
-            cells.append(f"ended after {ended:.1f} s, {most:.0f} MiB at most")
+            cells.append(f"ended after {ended:.1f} s, {peak:.0f} MiB at the peak")
         failed = [row.failure for row in own if row.failure]
         if failed:
             cells.append(f"{len(failed)} failed: {failed[0]}")

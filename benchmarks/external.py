@@ -5,12 +5,12 @@
 DIR holds the files as their authors publish them, and in ``expected.json`` the published values:
 
 - ``assign/NAME.txt``: OR-Library, linear assignment (Beasley 1990), by Eq. 1 and by Eq. 2 one to one;
-- ``gap/NAME``: OR-Library, generalised assignment, its least and its largest value;
+- ``gap/NAME``: OR-Library, generalised assignment, its minimum and its maximum;
 - ``pmed/NAME.txt``: OR-Library, p-median (Beasley 1985);
 - ``movingai/maps/NAME.map`` and ``movingai/scen/NAME.scen``: shortest 4-connected walks;
 - ``mps/NAME.mps``: linear and integer programs, some infeasible or unbounded;
-- ``trp_latency/NAME.txt``: one repairman from the first point, least sum of arrival times;
-- ``mtsp_minmax/NAME``: TSPLIB, several salesmen from the first city and back, least longest tour.
+- ``trp_latency/NAME.txt``: one repairman from the first point, minimum sum of arrival times;
+- ``mtsp_minmax/NAME``: TSPLIB, several salesmen from the first city and back, minimum of the longest tour.
 
 Each program is solved by each solver named (``auto`` without any). The exit status is 1 if a value
 differs, is not proven, or a solver could solve nothing at all; 2 if a file or an option is wrong.
@@ -66,7 +66,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Answer:
+class Outcome:
     """What came of a case: our value, or why there is none."""
 
     case: Case
@@ -208,7 +208,7 @@ def mtsp_minmax(folder: Path, values: dict[str, Any]) -> Iterator[Case]:
         lengths = read_lower_rows(folder / item["instance"])
         data = one_kind(lengths, n_robots, return_to_start=True)
         title, run = f"{item['instance']}, {n_robots} tours", partial(by_proof, data, "makespan")
-        yield Case(title, "makespan, strong method", expected, run, False)
+        yield Case(title, "makespan, branch and cut", expected, run, False)
 
 
 GROUPS: dict[str, Callable[[Path, dict[str, Any]], Iterator[Case]]] = {
@@ -291,18 +291,18 @@ def said(solution: Solution) -> Value:
 # Running and showing
 
 
-def answer(case: Case, solver: str, options: Options) -> Answer:
+def outcome(case: Case, solver: str, options: Options) -> Outcome:
     """Solve `case` by `solver`, and compare."""
     began = time.perf_counter()
     try:
         value = case.run(solver, options)
     except SolverError as error:
-        return Answer(case, solver, None, time.perf_counter() - began, f"skipped: {error}")
+        return Outcome(case, solver, None, time.perf_counter() - began, f"skipped: {error}")
     seconds = time.perf_counter() - began
     if isinstance(value, str) and value.endswith(UNPROVEN):
-        return Answer(case, solver, value, seconds, "stopped")
+        return Outcome(case, solver, value, seconds, "stopped")
     verdict = "agrees" if _same(value, case.expected) else "DISAGREES"
-    return Answer(case, solver, value, seconds, verdict)
+    return Outcome(case, solver, value, seconds, verdict)
 
 
 def _same(value: Value, expected: Value) -> bool:
@@ -331,11 +331,11 @@ def cases(folder: Path) -> Iterator[Case]:
         yield from GROUPS[name](folder / name, expected[name])
 
 
-def answers(folder: Path, solvers: Sequence[str], options: Options) -> Iterator[Answer]:
+def outcomes(folder: Path, solvers: Sequence[str], options: Options) -> Iterator[Outcome]:
     """All cases by all solvers; what needs no solver once."""
     for case in cases(folder):
         for solver in solvers if case.needs_solver else [""]:
-            yield answer(case, solver, options)
+            yield outcome(case, solver, options)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -352,7 +352,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for name in solvers:
             if name != AUTO and not get(name).installed:
                 raise InputError(f"{name} is not installed; {get(name).install}", field="solver")
-        found = list(answers(given.folder, solvers, Options(time_limit=given.time_limit)))
+        found = list(outcomes(given.folder, solvers, Options(time_limit=given.time_limit)))
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -367,7 +367,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 1 if wrong or useless else 0
 
 
-def show(found: Sequence[Answer]) -> None:
+def show(found: Sequence[Outcome]) -> None:
     """Print the table, and how many values agree."""
     table(
         "Published values, solved again",

@@ -40,7 +40,7 @@ from msmrta_opt.routing.objectives import OBJECTIVES
 
 MAPS = Path(__file__).parents[1] / "instances" / "maps"
 SPEEDS = ((0.2, 0.3, 0.4), (1.0,), (0.31, 0.7, 1.3), (1 / 3, 0.7))
-"""The last have no common grain that is worth its name."""
+"""The last have no common step that is worth its name."""
 ROUNDING = 1e-6
 """Relative."""
 UNTIL_STOPPED = 0.5
@@ -69,11 +69,11 @@ class Known:
         if not self.values:
             return []
         best = min(self.values, key=lambda who: self.values[who])
-        least = self.values[best]
+        smallest = self.values[best]
         high = [
-            f"bound {bound!r} of the run {who} is above {least!r} of {best}"
+            f"bound {bound!r} of the run {who} is above {smallest!r} of {best}"
             for who, bound in self.bounds.items()
-            if bound > least + ROUNDING * max(1.0, abs(least))
+            if bound > smallest + ROUNDING * max(1.0, abs(smallest))
         ]
         return high + [
             f"the run {who} says that {best}'s plan cannot be" for who in self.impossible

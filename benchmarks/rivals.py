@@ -5,14 +5,14 @@
 
 OR-Tools' routing library, PyVRP (`pip install pyvrp`), and CP-SAT on the arc model, as far as each can
 state the problem, which each says for itself below. One thread and one process each, one at a time;
-stating the problem counts, importing a library does not. Whatever a solver says its answer costs, it
+stating the problem counts, importing a library does not. Whatever a solver says its routes cost, it
 is turned into routes here, and checked and valued as such; nobody's own cost counts.
 
 For each: the value over the best of all, and the gap to the greatest bound that anyone proved, median
 and worst; where a solver proves a bound, its own gap too.
 
 Service times add up to the same whoever serves, so that only travel is minimised, as whole multiples
-of its grain. Of two requirements of a victim the one that more robots can serve costs nothing: whoever
+of its step. Of two requirements of a victim the one that more robots can serve costs nothing: whoever
 serves the other takes it along. So vehicle routing gets only the least flexible ones, one client each,
 without loss; `Clients` puts the others back. Clients of one victim are no travel apart.
 """
@@ -46,7 +46,7 @@ Ints = NDArray[np.int64]
 TOTAL_TIME = OBJECTIVES["total_time"]
 
 FINEST = 1e-3
-"""Time units in place of a grain, where travel times have none."""
+"""Time units in place of a step, where travel times have none."""
 OURS = "exact"
 NEEDS = {"OR-Tools routing": "ortools", "PyVRP": "pyvrp", "CP-SAT": "ortools"}
 GRACE = 300.0
@@ -54,7 +54,7 @@ GRACE = 300.0
 
 
 @dataclass(frozen=True)
-class Answer:
+class Found:
     """What a solver says of a problem."""
 
     routes: Routes | None
@@ -82,11 +82,11 @@ class Clients:
         for v in range(self.data.n_victims):
             kinds = np.flatnonzero(self.data.required[v])
             able = {int(k): set(np.flatnonzero(self.data.able[:, v, k])) for k in kinds}
-            least: list[int] = []
+            fewest: list[int] = []
             for k in sorted(able, key=lambda k: (len(able[k]), k)):
-                if not any(able[other] <= able[k] for other in least):
-                    least.append(k)
-            chosen += [(v, k) for k in least]
+                if not any(able[other] <= able[k] for other in fewest):
+                    fewest.append(k)
+            chosen += [(v, k) for k in fewest]
         return chosen
 
     @cached_property
@@ -130,7 +130,7 @@ class Clients:
         return tuple(tuple((v, tuple(kinds)) for v, kinds in one.items()) for one in served)
 
 
-def routing(data: RoutingData, seconds: float) -> Answer:
+def routing(data: RoutingData, seconds: float) -> Found:
     """OR-Tools' routing library: guided local search from parallel cheapest insertion.
 
     It states the whole problem: starts of their own, a common end that is no travel away where routes
@@ -165,7 +165,7 @@ def routing(data: RoutingData, seconds: float) -> Answer:
     parameters.time_limit.FromMilliseconds(int(1000 * left))
     found = model.SolveWithParameters(parameters)
     if found is None:
-        return Answer(None, None, time.monotonic() - began)
+        return Found(None, None, time.monotonic() - began)
     tours = []
     for r in range(n_robots):
         tour, index = [], found.Value(model.NextVar(model.Start(r)))
@@ -173,14 +173,14 @@ def routing(data: RoutingData, seconds: float) -> Answer:
             tour.append(manager.IndexToNode(index))
             index = found.Value(model.NextVar(index))
         tours.append(tour)
-    return Answer(problem.routes(tours), None, time.monotonic() - began)
+    return Found(problem.routes(tours), None, time.monotonic() - began)
 
 
-def pyvrp(data: RoutingData, seconds: float) -> Answer:
+def pyvrp(data: RoutingData, seconds: float) -> Found:
     """PyVRP: hybrid genetic or iterated local search, by its version.
 
     It knows no skills: each vehicle has a profile of its own, in which the way to a client that it may
-    not visit is longer than all travel of any answer. It knows no open routes: all end at one depot,
+    not visit is longer than all travel of any solution. It knows no open routes: all end at one depot,
     no travel away where they are open. It proves no bound.
     """
     library = importlib.import_module("pyvrp")
@@ -216,10 +216,10 @@ def pyvrp(data: RoutingData, seconds: float) -> Answer:
     tours: list[list[int]] = [[] for _ in range(n_robots)]
     for route in best.routes():
         tours[route.vehicle_type()] += [step.idx for step in route if step.is_client()]
-    return Answer(problem.routes(tours), None, time.monotonic() - began)
+    return Found(problem.routes(tours), None, time.monotonic() - began)
 
 
-def cp_sat(data: RoutingData, seconds: float) -> Answer:
+def cp_sat(data: RoutingData, seconds: float) -> Found:
     """CP-SAT on the arc model: a circuit a robot, its start and the victims that it visits.
 
     It states the whole problem, and proves a bound.
@@ -265,10 +265,10 @@ def cp_sat(data: RoutingData, seconds: float) -> Answer:
     spent = time.monotonic() - began
     bound = None
     if objective_step(data, TOTAL_TIME).step and math.isfinite(solver.best_objective_bound):
-        # Without a grain, travel is rounded, and so would the bound be.
+        # Without a step, travel is rounded, and so would the bound be.
         bound = data.total_service + step * max(solver.best_objective_bound, 0.0)
     if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-        return Answer(None, bound, spent)
+        return Found(None, bound, spent)
     kinds: dict[tuple[int, int], list[int]] = {}
     for (v, k), choices in served.items():
         for r, literal in choices:
@@ -285,10 +285,10 @@ def cp_sat(data: RoutingData, seconds: float) -> Answer:
             place = onward[place]
         # A visit for nothing costs no travel at best: leaving it out is never worse.
         routes.append(tuple((v, tuple(kinds[r, v])) for v in order if (r, v) in kinds))
-    return Answer(tuple(routes), bound, spent)
+    return Found(tuple(routes), bound, spent)
 
 
-RIVALS: dict[str, Callable[[RoutingData, float], Answer]] = {
+RIVALS: dict[str, Callable[[RoutingData, float], Found]] = {
     "OR-Tools routing": routing,
     "PyVRP": pyvrp,
     "CP-SAT": cp_sat,
@@ -298,7 +298,7 @@ RIVALS: dict[str, Callable[[RoutingData, float], Answer]] = {
 
 @dataclass(frozen=True)
 class Judged:
-    """An answer, checked and valued here."""
+    """A solution, checked and valued here."""
 
     value: float | None
     bound: float | None
@@ -312,7 +312,7 @@ def problem(size: str, number: int) -> RoutingData:
     return routing_data(Situation.of(mission(size, number)))
 
 
-def answer(name: str, size: str, number: int, seconds: float) -> Answer:
+def call(name: str, size: str, number: int, seconds: float) -> Found:
     """By that solver, for a process of its own: OR-Tools and highspy cannot share one."""
     if name != OURS:
         return RIVALS[name](problem(size, number), seconds)
@@ -323,15 +323,15 @@ def answer(name: str, size: str, number: int, seconds: float) -> Answer:
     began = time.monotonic()
     made = plan(mission(size, number), planner="exact", time_limit=seconds)
     spent = time.monotonic() - began
-    return Answer(routes_of(made), made.certificates[0].bound, spent)
+    return Found(routes_of(made), made.certificates[0].bound, spent)
 
 
-def judged(data: RoutingData, given: Answer | Failure) -> Judged:
-    """What the answer is worth, by our own reckoning; nothing if it is not feasible."""
+def judged(data: RoutingData, given: Found | Failure) -> Judged:
+    """What the solution is worth, by our own reckoning; nothing if it is not feasible."""
     if isinstance(given, Failure):
         return Judged(None, None, 0.0, f"{given.reason}: {given.message}")
     if given.routes is None:
-        return Judged(None, given.bound, given.seconds, "no answer")
+        return Judged(None, given.bound, given.seconds, "no solution")
     if wrong := faults(data, given.routes):
         return Judged(None, given.bound, given.seconds, f"not feasible: {wrong[0]}")
     return Judged(TOTAL_TIME.value(data, given.routes), given.bound, given.seconds)
@@ -351,7 +351,7 @@ def table(runs: Sequence[dict[str, Judged]]) -> Iterator[str]:
             open_.append(relative_gap(one.value, bound))
             if one.bound is not None:
                 own.append(relative_gap(one.value, one.bound))
-        cells = [f"{len(ratios)} of {len(runs)} answered"]
+        cells = [f"{len(ratios)} of {len(runs)} solved"]
         if ratios:
             cells.append(f"value/best {statistics.median(ratios):.4f} ({max(ratios):.4f})")
             cells.append(f"gap to the best bound {statistics.median(open_):.2%} ({max(open_):.2%})")
@@ -363,7 +363,7 @@ def table(runs: Sequence[dict[str, Judged]]) -> Iterator[str]:
 
 def main() -> None:
     # Another process finds the function by its module's name, which here is not the script's.
-    from rivals import answer
+    from rivals import call
 
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--missions", type=int, default=10)
@@ -381,7 +381,7 @@ def main() -> None:
         numbers = range(arguments.missions)
         calls = [(name, size, number, arguments.seconds) for number in numbers for name in names]
         runs: list[dict[str, Judged]] = [{} for _ in numbers]
-        results = run_isolated(answer, calls, limits=Limits(arguments.seconds + GRACE))
+        results = run_isolated(call, calls, limits=Limits(arguments.seconds + GRACE))
         for index, given in results:
             name, _, number, _ = calls[index]
             runs[number][name] = one = judged(problem(size, number), given)

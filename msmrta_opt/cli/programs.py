@@ -188,12 +188,13 @@ def _prepared(
     from ..mission.instance import Instance
     from ..optimise import registry
     from ..stages.data import stage_data
-    from ..stages.options import StagedOptions
+    from ..stages.options import options_type
 
     add_folders(folders)
     formulation = registry.get(model)
-    given = StagedOptions.of(**named_values(options))
-    return formulation, stage_data(Instance.read(instance), formulation.spec.stage, given)
+    stage = formulation.spec.stage
+    given = options_type(stage).of(**named_values(options))
+    return formulation, stage_data(Instance.read(instance), stage, given)
 
 
 def _numbers(formulation: Formulation, texts: list[str] | None) -> dict[str, Any]:

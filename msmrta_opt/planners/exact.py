@@ -1,18 +1,15 @@
 """The exact planner: the joint problem, improved from above and bounded from below, at any time.
 
 It starts from the best plan of the quick planners, improved by local search; total time and makespan
-are then closed in on by branch and cut (`routing.branch_and_cut.search`), latency by column generation
+are then closed in on by branch and cut (`routing.branch_and_cut.search`), latency by branch and price
 (`routing.branch_and_price.search`). It stops at the time limit, at the gap, or at Ctrl-C, always with
 the best plan and what is proven about it.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
 
 from ..certify.certificates import STAGE as STAGE_OF_BOUNDS
 from ..interruption import interrupted, interruptible
@@ -20,7 +17,6 @@ from ..mission.errors import InputError
 from ..mission.instance import Instance
 from ..mission.plan import LIMITS, Certificate, Plan, Route, Unserved
 from ..mission.proof import LatencyProof, RootProof
-from ..optimise.solve import solve
 from ..routing.bound import Bound
 from ..routing.callbacks import Callbacks
 from ..routing.heuristics.ruin_and_recreate import ruin_and_recreate
@@ -33,29 +29,20 @@ from ..routing.stop import (
     Interruption,
     MaximumRuntime,
     RelativeGap,
-    StoppingCriterion,
     relative_gap,
 )
-from ..stages.joint_routing import beyond_limits, routing_data
-from ..stages.options import StagedOptions
+from ..stages.joint_routing import beyond_limits, limits_of, routing_data
+from ..stages.options import RoutingOptions
 from ..stages.path_planning import path_planning
 from ..stages.requirement_analysis import missing_capabilities, requirement_analysis
 from ..stages.scouting import scout_mission
-from ..stages.situation import Situation, Stop
-from . import greedy, ssi
+from ..stages.situation import Situation
+from .support.first_routes import MODEL, first_routes
 from .support.improvement import stops_of
 from .support.planner import SOLVING, WALKING, Planner, Stopwatch
 from .support.record import assemble
 
 STAGE = "exact"
-FIRST_ROUTES = "joint_routing_flow"
-"""The formulation that finds routes to begin with, where limits make that hard."""
-SHARE_OF_SEARCH = 0.1
-"""Of the time limit, for local search before the bound is sought."""
-SEARCH_PER_VICTIM = 0.05
-"""Most seconds per victim of that search."""
-LEAST_SECONDS = 5.0
-"""For a plan to begin with, where limits make that hard: without one there is nothing to answer."""
 
 
 def run(
@@ -84,9 +71,9 @@ def run(
     seed : int
         Of scouting and of the search.
     endurance : float, optional
-        Most time units that a robot may be busy.
+        Maximum time that a robot may be busy.
     longest_walk : float, optional
-        Most cells that a robot may walk.
+        Maximum number of cells that a robot may walk.
     return_to_start : bool
         Whether robots walk back after their last visit.
     parameters : Parameters or mapping, optional
@@ -103,22 +90,20 @@ def run(
     for name, number in {"time_limit": time_limit, "gap": gap}.items():
         if not number >= 0:
             raise InputError(f"{number!r}; give 0 or more", field=name)
-    for name, most in {"endurance": endurance, "longest_walk": longest_walk}.items():
-        if most is not None and not 0 <= most < math.inf:
-            raise InputError(f"{most!r}; give a finite number, 0 or more", field=name)
+    options = RoutingOptions(
+        seed=seed,
+        endurance=endurance,
+        longest_walk=longest_walk,
+        return_to_start=return_to_start,
+    )
     watch = Stopwatch()
     with watch("scouting"):
-        known, scouting = scout_mission(instance, StagedOptions(seed=seed))
+        known, scouting = scout_mission(instance, options)
     with watch("requirement analysis"):
         situation = Situation.of(known)
         analysis = requirement_analysis(known.P, known.Q)
         missing = missing_capabilities(known.Q, analysis.potential, situation.reach)
-        data = routing_data(
-            situation,
-            endurance=endurance,
-            longest_walk=longest_walk,
-            return_to_start=return_to_start,
-        )
+        data = routing_data(situation, **limits_of(options))
     # Until it is returned: a plan that is worked out is not lost to a late Ctrl-C.
     with interruptible():
         with watch("joint problem"):
@@ -126,7 +111,7 @@ def run(
             progress = Progress(
                 data,
                 aim,
-                _first(situation, data, aim, stop),
+                first_routes(situation, data, aim, stop),
                 stop=stop,
                 callbacks=callbacks,
             )
@@ -145,9 +130,7 @@ def run(
                 "time_limit": time_limit,
                 "gap": gap,
                 "seed": seed,
-                "endurance": endurance,
-                "longest_walk": longest_walk,
-                "return_to_start": return_to_start,
+                **limits_of(options),
                 **({"parameters": changed} if (changed := tuned.changed()) else {}),
             },
             routes=legs,
@@ -171,8 +154,9 @@ def _solve(progress: Progress, seed: int, parameters: Parameters) -> Bound:
         return Bound(0.0, "combinatorial")
     progress.bound_at_once()
     if not progress.done():
+        tuning = parameters.heuristics
         # Small missions are proven sooner than a search of seconds is worth.
-        seconds = min(SHARE_OF_SEARCH * progress.left(), SEARCH_PER_VICTIM * data.n_victims)
+        seconds = min(tuning.first_share * progress.left(), tuning.first_seconds * data.n_victims)
         progress.begin("ruin and recreate")
         progress.offer(
             ruin_and_recreate(
@@ -181,57 +165,10 @@ def _solve(progress: Progress, seed: int, parameters: Parameters) -> Bound:
                 progress.objective,
                 stop=progress.until_done(seconds),
                 seed=seed,
-                parameters=parameters.heuristics,
+                parameters=tuning,
             )
         )
     return close_in(progress, seed=seed, parameters=parameters)
-
-
-def _first(
-    situation: Situation, data: RoutingData, objective: Objective, stop: StoppingCriterion
-) -> Routes:
-    """The best of the quick planners' routes that keep to the limits, or else any that do."""
-    found: list[Routes] = []
-    for allocate in (ssi.allocate, greedy.allocate):
-        routes = _within(data, allocate(situation))
-        if not faults(data, routes):
-            found.append(routes)
-    if not found:
-        # The quick planners do not know of limits.
-        return _by_model(data, max(stop.seconds_left(), LEAST_SECONDS))
-    return min(found, key=lambda routes: objective.value(data, routes))
-
-
-def _by_model(data: RoutingData, seconds: float) -> Routes:
-    """Routes that keep to the limits, by the explicit model."""
-    solution = solve(FIRST_ROUTES, data, gap=1.0, time_limit=seconds)
-    if not solution.found:
-        why = "exists" if solution.status == "infeasible" else "was found in time"
-        raise InputError(
-            f"no plan that keeps to the robots' limits {why}; give more",
-            field="endurance" if np.isfinite(data.endurance).any() else "longest_walk",
-        )
-    goes, serves = solution.values["x"] > 0.5, solution.values["a"] > 0.5
-    routes = []
-    for r in range(data.n_robots):
-        route, place = [], data.n_victims  # the start
-        while goes[r, place].any():
-            place = int(np.argmax(goes[r, place]))
-            route.append((place, tuple(int(k) for k in np.flatnonzero(serves[r, place]))))
-        routes.append(tuple(route))
-    return tuple(routes)
-
-
-def _within(data: RoutingData, stops: Sequence[Stop]) -> Routes:
-    """The routes of `stops`, without the requirements that the limits leave out."""
-    routes: list[list[tuple[int, tuple[int, ...]]]] = [[] for _ in range(data.n_robots)]
-    for stop in stops:
-        if stop.victim is None:
-            continue
-        kinds = tuple(k for k in stop.kinds if data.able[stop.robot, stop.victim, k])
-        if kinds:
-            routes[stop.robot].append((stop.victim, kinds))
-    return tuple(tuple(route) for route in routes)
 
 
 def _with_way_back(instance: Instance, route: Route) -> Route:
@@ -281,7 +218,7 @@ def _certificate(
 def _formulations(options: Mapping[str, Any]) -> tuple[str, ...]:
     """The quick planners do not know of limits; routes to begin with may then come of a model."""
     limited = any(options.get(name) is not None for name in ("endurance", "longest_walk"))
-    return (FIRST_ROUTES,) if limited else ()
+    return (MODEL,) if limited else ()
 
 
 PLANNER = Planner(

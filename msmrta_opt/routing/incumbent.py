@@ -86,7 +86,7 @@ class Progress:
         return (self.stop | Interruption(self.done)).within(seconds)
 
     def better(self) -> float:
-        """What routes that are better than the incumbent are worth at most."""
+        """The maximum value of routes that are better than the incumbent."""
         return self.step.below(self.value)
 
     def bound_at_once(self) -> None:

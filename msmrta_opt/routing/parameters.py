@@ -52,6 +52,10 @@ class HeuristicsParameters:
     """Of simulated annealing, relative to one robot's share of the objective."""
     last_temperature: Positive = 1e-4
     """The same, when the search ends."""
+    first_share: Share = 0.1
+    """Share of the time for ruin and recreate before an exact method begins."""
+    first_seconds: NonNegative = 0.05
+    """Seconds of that per victim, at the maximum."""
     default_iterations: Count = 20_000
     """Iterations where neither time nor iterations are limited."""
     smallest_subset: Count = 3

@@ -15,7 +15,7 @@ from ..mission.instance import Instance
 from .cluster_assignment import ClusterAssignment, cluster_assignment, cluster_data
 from .clustering import Clustering, clustering, clustering_data
 from .joint_assignment import joint_assignment_data
-from .joint_routing import routing_data
+from .joint_routing import limits_of, routing_data
 from .options import StagedOptions
 from .performance_analysis import performance_analysis
 from .requirement_analysis import RequirementAnalysis, requirement_analysis
@@ -98,7 +98,7 @@ STAGES: Mapping[str, Callable[[SoFar], Any]] = MappingProxyType(
         "cluster": lambda m: cluster_data(m.situation, m.analysis, m.clusters, m.options),
         "victim": lambda m: performance_analysis(m.situation, m.b2.stops, m.remaining, m.options),
         "joint": lambda m: joint_assignment_data(m.situation, m.analysis, m.clusters, m.options),
-        "routing": lambda m: routing_data(m.situation),
+        "routing": lambda m: routing_data(m.situation, **limits_of(m.options)),
     }
 )
 """By stage, how its data follows from the lines of Algorithm 1 before it."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Bools
-from ..mission.plan import Reason
+from ..mission.plan import LIMITS, Reason
 from ..routing.problem import RoutingData
+from .options import StagedOptions
 from .situation import Situation
 
 
@@ -29,9 +31,9 @@ def routing_data(
     situation : Situation
         Who can serve what, and the distances.
     endurance : float, optional
-        Most time units that a robot may be busy.
+        Maximum time that a robot may be busy, its way back included.
     longest_walk : float, optional
-        Most cells that a robot may walk.
+        Maximum number of cells that a robot may walk, its way back included.
     return_to_start : bool
         Whether robots walk back after their last visit.
     """
@@ -43,9 +45,7 @@ def routing_data(
     between = distances.between(instance.cells, instance.cells)
     between = np.where(np.isfinite(between), between, 0.0)[None] / speed[:, None, None]
     back = leave if return_to_start else np.zeros_like(leave)
-    most_busy = np.full(instance.n_robots, np.inf if endurance is None else float(endurance))
-    most_walk = np.inf if longest_walk is None else float(longest_walk) / speed
-    most_travel = np.broadcast_to(most_walk, speed.shape).astype(float)
+    maximum_walk = np.inf if longest_walk is None else float(longest_walk) / speed
     data = RoutingData(
         leave=leave,
         between=between,
@@ -53,11 +53,16 @@ def routing_data(
         service=instance.service,
         able=situation.able,
         priority=instance.priority,
-        endurance=most_busy,
-        longest_walk=most_travel,
+        endurance=np.full(instance.n_robots, np.inf if endurance is None else float(endurance)),
+        longest_walk=np.broadcast_to(maximum_walk, speed.shape).astype(float),
     )
     in_time, in_walk = _alone(data)
     return replace(data, able=situation.able & in_time & in_walk[:, :, None])
+
+
+def limits_of(options: StagedOptions) -> dict[str, Any]:
+    """The limits on whole routes that `options` name."""
+    return {name: getattr(options, name) for name in LIMITS if hasattr(options, name)}
 
 
 def beyond_limits(situation: Situation, data: RoutingData) -> dict[tuple[int, int], Reason]:

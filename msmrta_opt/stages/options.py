@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import asdict, dataclass, fields
 from numbers import Integral, Real
 from typing import Any, Literal, get_args, get_type_hints
@@ -53,7 +54,7 @@ class StagedOptions:
     budget: int = 2
     """Most clusters, or victims, of a robot, in formulations that limit them."""
     endurance: float | None = None
-    """Most time units that a robot may be busy, in formulations of Eq. 2 that limit it."""
+    """Maximum time that a robot may be busy, in formulations of Eq. 2 that limit it."""
     walk: str = "ant_colony"
     """How scouts walk."""
     shared_table: bool = True
@@ -65,7 +66,7 @@ class StagedOptions:
         self._check("budget", Integral, int, 1, np.inf, "a whole number, 1 or more")
         self._check("seed", Integral, int, 0, 2**32 - 1, "a whole number, 0 to 2**32 - 1")
         if self.endurance is not None:
-            self._check("endurance", Real, float, 0, np.inf, "time units, 0 or more")
+            self._check("endurance", Real, float, 0, sys.float_info.max, "time units, 0 or more")
         for name in ("through_centre", "pinned_clusters", "shared_table"):
             if not isinstance(getattr(self, name), (bool, np.bool_)):
                 raise InputError(f"{getattr(self, name)!r}; give true or false", field=name)
@@ -106,6 +107,38 @@ class StagedOptions:
     def as_dict(self) -> dict[str, Any]:
         """All options by name."""
         return asdict(self)
+
+
+@dataclass(frozen=True)
+class RoutingOptions(StagedOptions):
+    """The same with limits on whole routes: of the joint problem, which the exact planner solves, too.
+
+    There ``endurance`` is one of them.
+    """
+
+    longest_walk: float | None = None
+    """Maximum number of cells that a robot may walk."""
+    return_to_start: bool = False
+    """Whether robots walk back to their starts after their last visits."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.longest_walk is not None:
+            self._check("longest_walk", Real, float, 0, sys.float_info.max, "cells, 0 or more")
+        if not isinstance(self.return_to_start, (bool, np.bool_)):
+            raise InputError(
+                f"{self.return_to_start!r}; give true or false", field="return_to_start"
+            )
+
+    def as_dict(self) -> dict[str, Any]:
+        """All options by name, but for limits that are not set: so they say what they always said."""
+        own = ("longest_walk", "return_to_start")
+        return {name: x for name, x in super().as_dict().items() if x or name not in own}
+
+
+def options_type(stage: str) -> type[StagedOptions]:
+    """The options of the data of `stage`."""
+    return RoutingOptions if stage == "routing" else StagedOptions
 
 
 PRESETS: dict[str, dict[str, Any]] = {

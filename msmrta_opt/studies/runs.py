@@ -15,13 +15,12 @@ from ..optimise import registry, solvers
 from ..optimise.solve import AUTO
 from ..planners import check_options, planners
 from ..planners.support.planner import versions
-from ..stages.options import StagedOptions
+from ..stages.options import options_type
 from .missions import Known, Mission, digest_of, missions
 from .record import Record
 from .specification import FormulationTable, PlannerTable, Scalar, Study, Timing
 from .tasks import Planning, Solving, Task, add_folders, folders_of_models, solving_tasks
 
-STAGED = frozenset(item.name for item in fields(StagedOptions))
 SOLVING = ("solver_seed", "time_limit", "gap")
 """Options of a formulation's table that are its solver's."""
 
@@ -173,13 +172,15 @@ def _solving(table: FormulationTable, options: Mapping[str, Any]) -> Sequence[So
     for name in SOLVING:
         if isinstance(options.get(name, 0), (str, bool)):
             raise InputError(f"{options[name]!r}; give a number", field=name)
-    parameters = {k: v for k, v in options.items() if k not in STAGED and k not in SOLVING}
+    options_of_stage = options_type(table.stage)
+    staged = {item.name for item in fields(options_of_stage)}
+    parameters = {k: v for k, v in options.items() if k not in staged and k not in SOLVING}
     found = solving_tasks(
         stage=table.stage,
         models=table.models or (),
         solver_names=table.solvers,
         seeds=[options["solver_seed"]] if "solver_seed" in options else (),
-        options=StagedOptions(**{k: v for k, v in options.items() if k in STAGED}),
+        options=options_of_stage(**{k: v for k, v in options.items() if k in staged}),
         parameters=parameters,
         time_limit=options.get("time_limit"),
         gap=options.get("gap"),
@@ -187,7 +188,7 @@ def _solving(table: FormulationTable, options: Mapping[str, Any]) -> Sequence[So
     known = {name for task in found for name in _parameters(task.model)}
     for name in parameters:
         if name not in known:
-            there = ", ".join(sorted(known | STAGED | set(SOLVING)))
+            there = ", ".join(sorted(known | staged | set(SOLVING)))
             raise InputError(f"no such option; there are {there}", field=name)
     return found
 

@@ -115,7 +115,7 @@ def test_what_time_did_not_suffice_to_prove_does_not_agree(
 ) -> None:
     stopped = Solution("", status, "min", objective=5.0, bound=4.0, check="passed")
     case = external.Case("pairs", "model", 5.0, lambda *_: external.said(stopped))
-    assert external.answer(case, "auto", Options()).verdict == "stopped"
+    assert external.outcome(case, "auto", Options()).verdict == "stopped"
 
 
 def test_a_solver_that_can_solve_nothing_is_named_and_fails(

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any
 
 import pytest
 
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.stages.options import PRESETS, StagedOptions
+from msmrta_opt.stages.joint_routing import limits_of
+from msmrta_opt.stages.options import PRESETS, RoutingOptions, StagedOptions, options_type
 
 
 def test_the_paper_is_the_default_and_reads_the_text() -> None:
@@ -127,3 +129,32 @@ def test_an_unknown_preset_is_refused_with_those_that_there_are() -> None:
     with pytest.raises(InputError, match="'author'; give one of paper, authors") as error:
         StagedOptions.of("author")
     assert error.value.field == "preset"
+
+
+def test_only_the_joint_problem_has_limits_on_whole_routes() -> None:
+    assert options_type("cluster") is StagedOptions
+    limited = options_type("routing").of(endurance=9, longest_walk=5, return_to_start=True)
+    assert isinstance(limited, RoutingOptions)
+    assert limits_of(limited) == {"endurance": 9.0, "longest_walk": 5.0, "return_to_start": True}
+    assert limits_of(StagedOptions(endurance=9)) == {"endurance": 9.0}
+    with pytest.raises(InputError, match="longest_walk: no such option"):
+        options_type("victim").of(longest_walk=5)
+
+
+def test_limits_that_are_not_set_are_not_listed() -> None:
+    assert RoutingOptions().as_dict() == StagedOptions().as_dict()
+    assert RoutingOptions(longest_walk=3).as_dict()["longest_walk"] == 3
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("longest_walk", -1),
+        ("longest_walk", "far"),
+        ("longest_walk", math.inf),
+        ("return_to_start", 1),
+    ],
+)
+def test_a_limit_out_of_range_is_refused(option: str, value: object) -> None:
+    with pytest.raises(InputError, match=option):
+        RoutingOptions(**{option: value})  # type: ignore[arg-type]

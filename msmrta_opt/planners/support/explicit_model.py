@@ -18,12 +18,7 @@ from .mip_start import mip_start
 
 def problem_of(plan: Plan) -> RoutingData:
     """The joint problem that `plan` solves, with the limits that its options name."""
-    return routing_data(
-        Situation.of(plan.known),
-        endurance=plan.limits.get("endurance"),
-        longest_walk=plan.limits.get("longest_walk"),
-        return_to_start=bool(plan.limits.get("return_to_start")),
-    )
+    return routing_data(Situation.of(plan.known), **plan.limits)
 
 
 def solve_explicitly(

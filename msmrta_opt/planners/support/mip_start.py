@@ -26,7 +26,7 @@ def mip_start(
     data : RoutingData
         The joint problem of the mission that it is a plan for.
     formulation : str or Formulation
-        One whose answers are ``x``, ``y`` and ``a``, as those of the stage ``routing`` are; of its
+        One whose variables include ``x``, ``y`` and ``a``, as those of the stage ``routing`` are; of its
         other variables, those with names and shapes of the shipped ones get their values, too.
 
     Raises

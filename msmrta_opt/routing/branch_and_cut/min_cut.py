@@ -6,7 +6,7 @@ that leaves S, and δ(W) ≤ 2 y(W) for groups W,
 
     δ(S ∪ W) = δ(S) + δ(W) − 2 e(S : W) ≤ δ(S) + 2 y(W) − 2 e(U : W) ≤ δ(S)    for U in S,
 
-so some minimum cut between any two vertices parts neither group. Near a route's end hardly more is left
+so some minimum cut between any two vertices divides neither group. Near a route's end hardly more is left
 than what is undecided.
 
 Source: Padberg and Rinaldi, Mathematical Programming 47 (1990); for tours that choose what they visit,
@@ -68,11 +68,11 @@ def components(adjacent: Bools) -> Ints:
     """
     label = np.arange(len(adjacent))
     while True:
-        least = np.where(adjacent, label, len(label)).min(axis=1, initial=len(label))
-        least = np.minimum(label, least)
-        if (least == label).all():
+        first = np.where(adjacent, label, len(label)).min(axis=1, initial=len(label))
+        first = np.minimum(label, first)
+        if (first == label).all():
             return label
-        label = least[least]
+        label = first[first]
 
 
 def capacities(weight: Floats) -> Ints:

@@ -1,4 +1,4 @@
-"""Points of the edge formulation and routes, each from the other; and each robot's part of a point."""
+"""Points of the edge formulation and routes, each from the other; and each robot's share of a point."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def _path(support: Support) -> list[int] | None:
 
 
 def _share(data: RoutingData, order: list[list[int]]) -> list[dict[int, list[int]]]:
-    """Every requirement to the visitor able of it that is able of most at that victim."""
+    """Every requirement to the able visitor that can serve the largest number at that victim."""
     visits: list[dict[int, list[int]]] = [{} for _ in order]
     for v in range(data.n_victims):
         there = [r for r, path in enumerate(order) if v in path]

@@ -95,7 +95,7 @@ def separate(support: Support, *, tolerance: float = 1e-6) -> list[Cut]:
 
 @dataclass(frozen=True, eq=False)
 class _Graph:
-    """The support graph: groups of victims that no cut needs to part, then the route's two ends."""
+    """The support graph: groups of victims that no cut needs to divide, then the route's two ends."""
 
     support: Support
     weight: Floats

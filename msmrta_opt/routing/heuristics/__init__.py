@@ -1,1 +1,5 @@
-"""Better routes without bounds: ruin and recreate, subsets of robots, regions of victims."""
+"""Better routes without bounds.
+
+Reading order: `ruin_and_recreate`, local search on whole plans; `robot_subsets` and `victim_regions`,
+which choose what fix-and-optimise leaves free, for an exact method to solve.
+"""

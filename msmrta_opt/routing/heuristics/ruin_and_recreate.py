@@ -266,7 +266,7 @@ class _Search:
         return place
 
     def _soonest(self, r: int, g: int) -> tuple[float, float, int]:
-        """As `_insertion`, at the place that adds the least to weighted completion times.
+        """As `_insertion`, at the place that adds the minimum to weighted completion times.
 
         Victims that r visits later are taken to complete with its visit, even where another robot
         completes them: the true cost is found when all is put back.
