@@ -10,7 +10,8 @@ DIR holds the files as their authors publish them, and in ``expected.json`` the 
 - ``movingai/maps/NAME.map`` and ``movingai/scen/NAME.scen``: shortest 4-connected walks;
 - ``mps/NAME.mps``: linear and integer programs, some infeasible or unbounded;
 - ``trp_latency/NAME.txt``: one repairman from the first point, minimum sum of arrival times;
-- ``mtsp_minmax/NAME``: TSPLIB, several salesmen from the first city and back, minimum of the longest tour.
+- ``mtsp_minmax/NAME``: TSPLIB, several salesmen from the first city and back, their longest tour
+  at its minimum.
 
 Each program is solved by each solver named (``auto`` without any). The exit status is 1 if a value
 differs, is not proven, or a solver could solve nothing at all; 2 if a file or an option is wrong.

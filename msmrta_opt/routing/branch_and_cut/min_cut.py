@@ -6,8 +6,8 @@ that leaves S, and δ(W) ≤ 2 y(W) for groups W,
 
     δ(S ∪ W) = δ(S) + δ(W) − 2 e(S : W) ≤ δ(S) + 2 y(W) − 2 e(U : W) ≤ δ(S)    for U in S,
 
-so some minimum cut between any two vertices divides neither group. Near a route's end hardly more is left
-than what is undecided.
+so some minimum cut between any two vertices divides neither group. Near a route's end hardly more is
+left than what is undecided.
 
 Source: Padberg and Rinaldi, Mathematical Programming 47 (1990); for tours that choose what they visit,
 Kobeaga, Rojas-Delgado, Merino and Lozano, Annals of Operations Research (2021).
