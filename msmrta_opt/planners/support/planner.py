@@ -20,7 +20,7 @@ from ...optimise import registry
 from ...optimise.solvers import solvers
 
 RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numpy", "scikit-learn", "scipy")
-WALKING = ("networkx", "scipy.sparse.csgraph")
+WALKING = ("networkx", "scipy.sparse.csgraph", "msmrta_opt.mission.breadth_first")
 CLUSTERING = ("sklearn.cluster", "threadpoolctl")
 SOLVING = (
     *("cvxpy", "cvxpy.cvxcore.python.cppbackend", "highspy", "scipy.optimize"),
