@@ -21,7 +21,6 @@ from pathlib import Path
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
-from scipy.sparse.csgraph import dijkstra
 from sklearn.cluster import KMeans
 from threadpoolctl import threadpool_limits
 
@@ -49,12 +48,12 @@ def floor(mission: mo.Instance, n_starts: int) -> Callable[[], None]:
     n, m = mission.n_robots, mission.n_victims
     locations = np.array(mission.cells, dtype=float)
     k = min(n, len(np.unique(locations, axis=0)))
-    sources = [r * mission.map.shape[1] + c for r, c in [*mission.starts, *mission.cells]]
-    adjacency = mission.map.adjacency
+    sources = np.array([*mission.starts, *mission.cells])
+    search = mission.map.search
     eq1, eq2 = random.random_sample((n, k)), random.random_sample((n, m))
 
     def work() -> None:
-        dijkstra(adjacency, indices=sources, unweighted=True)
+        search.fields(sources)
         KMeans(n_clusters=k, init="random", n_init=n_starts, random_state=0).fit(locations)
         linear_sum_assignment(eq1)
         linear_sum_assignment(eq2)

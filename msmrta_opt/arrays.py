@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int64]
+Int32s = NDArray[np.int32]
 
 
 def own_arrays(data: object) -> None:

@@ -1,9 +1,7 @@
 """The grid world: free cells, walking distances, and the cells of a walk.
 
 Moves are 4-connected and cost 1. A cell is ``(row, col)``, 0-based from the upper left. Distances come
-from one breadth-first field per source cell, in compiled code, each source computed once; the cells
-of the legs that are really walked come from A* with the Manhattan heuristic (the path-planning line of
-Algorithm 1) on a networkx graph.
+from one breadth-first search per source, as far as it is needed (`search`); so do the cells of walks.
 """
 
 from __future__ import annotations
@@ -12,17 +10,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..arrays import Bools, Floats, Int32s
+from .search import Cell as Cell
+from .search import Cells, Search, graph, search
 
 if TYPE_CHECKING:
     import networkx as nx
-    from scipy.sparse import csr_array
-
-Cell = tuple[int, int]
-"""``(row, col)``, 0-based from the upper left."""
 
 UNREACHABLE = float("inf")
 """The distance between cells that no walk joins."""
@@ -47,7 +44,7 @@ class GridMap:
         The file it was read from.
     """
 
-    free: NDArray[np.bool_]
+    free: Bools
     name: str = ""
     source: Path | None = field(default=None, repr=False)
 
@@ -84,32 +81,31 @@ class GridMap:
         """Whether `cell` lies on the map and is free."""
         return self.contains(cell) and bool(self.free[cell])
 
-    @cached_property
-    def adjacency(self) -> csr_array:
-        """Neighbourhood of all cells, shape ``(n_rows * n_cols, n_rows * n_cols)``, row-major."""
-        from scipy.sparse import csr_array
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What has been worked out stays behind.
+        return type(self), (self.free, self.name, self.source)
 
-        n_rows, n_cols = self.shape
-        index = np.arange(n_rows * n_cols).reshape(n_rows, n_cols)
-        down = self.free[:-1] & self.free[1:]
-        right = self.free[:, :-1] & self.free[:, 1:]
-        a = np.concatenate([index[:-1][down], index[:, :-1][right]])
-        b = np.concatenate([index[1:][down], index[:, 1:][right]])
-        ends = (np.concatenate([a, b]), np.concatenate([b, a]))
-        return csr_array((np.ones(2 * len(a)), ends), shape=(index.size, index.size))
+    @cached_property
+    def search(self) -> Search:
+        """The engine that finds distances and walks."""
+        return search(self.free)
+
+    @cached_property
+    def component(self) -> Int32s:
+        """The connected component of each free cell, 1 and up, 0 if blocked, ``(n_rows, n_cols)``."""
+        labels = self.search.components()
+        labels.setflags(write=False)
+        return labels
 
     @cached_property
     def graph(self) -> nx.Graph:
         """The free cells as a networkx graph: nodes are cells, edges are moves."""
-        import networkx as nx
-
-        n_rows, n_cols = self.shape
-        graph = nx.grid_2d_graph(n_rows, n_cols)
-        graph.remove_nodes_from(map(tuple, np.argwhere(~self.free).tolist()))
-        return graph
+        return graph(self.free)
 
     def walk(self, start: Cell, goal: Cell) -> list[Cell]:
         """The cells of a shortest walk from `start` to `goal`, both included, by A*.
+
+        The heuristic is the Manhattan distance, as in the paper; see `walks` for many walks.
 
         Raises
         ------
@@ -121,7 +117,15 @@ class GridMap:
         cells: list[Cell] = nx.astar_path(self.graph, start, goal, heuristic=manhattan, weight=None)
         return cells
 
-    def fields(self, sources: Sequence[Cell]) -> NDArray[np.float64]:
+    def walks(self, starts: Sequence[Cell], goals: Sequence[Cell]) -> list[list[Cell]]:
+        """The cells of a shortest walk from each start to its goal, both included.
+
+        What A* finds whose heuristic is the distance from the goal: of the next cells that are
+        nearest to it, the first of up, down, left and right. A walk that there is not has no cells.
+        """
+        return self.search.walks(starts, goals)
+
+    def fields(self, sources: Cells) -> Floats:
         """Walking distance in cells from each source to every cell.
 
         Returns
@@ -129,57 +133,79 @@ class GridMap:
         float array, shape (n_sources, n_rows, n_cols)
             `UNREACHABLE` where no walk leads, and everywhere for a blocked source.
         """
-        from scipy.sparse.csgraph import dijkstra
+        return _distances(self.search.fields(sources))
 
-        n_rows, n_cols = self.shape
-        index = [row * n_cols + col for row, col in sources]
-        if not index:
-            return np.empty((0, n_rows, n_cols))
-        # On unweighted edges this is a breadth-first search per source, in compiled code.
-        found = dijkstra(self.adjacency, indices=index, unweighted=True)
-        distances: NDArray[np.float64] = found.reshape(len(index), n_rows, n_cols)
-        distances[:, ~self.free] = UNREACHABLE
-        return distances
+    def between(self, sources: Cells, targets: Cells) -> Floats:
+        """Walking distance in cells from each source to each target, ``(n_sources, n_targets)``."""
+        return _distances(self.search.between(sources, targets))
+
+    def lengths(self, starts: Cells, goals: Cells) -> Floats:
+        """Walking distance in cells from each start to its goal, ``(n_walks,)``."""
+        return _distances(self.search.lengths(starts, goals))
+
+
+def _distances(whole: Int32s) -> Floats:
+    return np.where(whole < 0, UNREACHABLE, whole)
 
 
 class DistanceTable:
-    """Walking distances of one map, each source's field computed once and kept.
+    """Walking distances of one map, each worked out once and kept; whole fields are not.
 
     Parameters
     ----------
     grid : GridMap
         The map walked on.
-    sources : iterable of cells
-        Cells whose fields are computed at once; others are added when first asked for.
+    places : iterable of cells
+        Cells to which distances are asked for again and again: from any cell, those to all of them
+        come from one search.
     """
 
-    def __init__(self, grid: GridMap, sources: Iterable[Cell] = ()) -> None:
+    def __init__(self, grid: GridMap, places: Iterable[Cell] = ()) -> None:
         self.grid = grid
-        self._fields: dict[Cell, NDArray[np.float64]] = {}
-        self.add(sources)
+        self._places = list(dict.fromkeys(places))
+        self._index = {cell: i for i, cell in enumerate(self._places)}
+        self._rows: dict[Cell, Int32s] = {}
+        self._pairs: dict[tuple[Cell, Cell], float] = {}
 
-    def add(self, sources: Iterable[Cell]) -> None:
-        """Compute the fields of those `sources` that are not known yet, in one call."""
-        new = [cell for cell in dict.fromkeys(sources) if cell not in self._fields]
-        self._fields.update(zip(new, self.grid.fields(new), strict=True))
-
-    def field(self, source: Cell) -> NDArray[np.float64]:
-        """Distance in cells from `source` to every cell, shape ``(n_rows, n_cols)``."""
-        if source not in self._fields:
-            self.add([source])
-        return self._fields[source]
+    def field(self, source: Cell) -> Floats:
+        """Distance in cells from `source` to every cell, shape ``(n_rows, n_cols)``; it is not kept."""
+        (field,) = self.grid.fields([source])
+        return np.asarray(field)
 
     def __call__(self, a: Cell, b: Cell) -> float:
         """Walking distance from `a` to `b` in cells, `UNREACHABLE` if there is none."""
-        # Walking is symmetric, so a field from either end will do.
-        if a not in self._fields and b in self._fields:
-            a, b = b, a
-        return float(self.field(a)[b])
+        return self.lengths([a], [b])[0]
 
-    def between(self, sources: Sequence[Cell], targets: Sequence[Cell]) -> NDArray[np.float64]:
+    def lengths(self, starts: Sequence[Cell], goals: Sequence[Cell]) -> list[float]:
+        """Walking distance in cells from each start to its goal."""
+        found = [self._known(a, b) for a, b in zip(starts, goals, strict=True)]
+        missing = [i for i, length in enumerate(found) if length is None]
+        new = dict.fromkeys((starts[i], goals[i]) for i in missing)
+        if new:
+            lengths = self.grid.lengths([a for a, _ in new], [b for _, b in new])
+            self._pairs.update(zip(new, lengths.tolist(), strict=True))
+        return [
+            self._pairs[starts[i], goals[i]] if length is None else length
+            for i, length in enumerate(found)
+        ]
+
+    def between(self, sources: Sequence[Cell], targets: Sequence[Cell]) -> Floats:
         """Distances in cells, shape ``(len(sources), len(targets))``."""
-        if not sources or not targets:
-            return np.empty((len(sources), len(targets)))
-        self.add(sources)
-        rows, cols = np.array(targets).T
-        return np.stack([self._fields[source][rows, cols] for source in sources])
+        try:
+            columns = [self._index[cell] for cell in targets]
+        except KeyError:
+            return self.grid.between(sources, targets)
+        new = [cell for cell in dict.fromkeys(sources) if cell not in self._rows]
+        if new:
+            found = self.grid.search.between(new, self._places)
+            self._rows.update(zip(new, found, strict=True))
+        rows = [self._rows[cell][columns] for cell in sources]
+        return _distances(np.array(rows, np.int32).reshape(len(sources), len(columns)))
+
+    def _known(self, a: Cell, b: Cell) -> float | None:
+        # Walking is symmetric, so a row from either end will do.
+        for one, other in ((a, b), (b, a)):
+            if one in self._rows and other in self._index:
+                length = int(self._rows[one][self._index[other]])
+                return UNREACHABLE if length < 0 else float(length)
+        return self._pairs.get((a, b), self._pairs.get((b, a)))

@@ -175,7 +175,7 @@ def _with_way_back(instance: Instance, route: Route) -> Route:
     if not route.visits:
         return route
     start = next(robot.start for robot in instance.robots if robot.id == route.robot)
-    back = instance.map.walk(route.visits[-1].cells[-1], start)
+    (back,) = instance.map.walks([route.visits[-1].cells[-1]], [start])
     return route.model_copy(update={"back": tuple(back)})
 
 

@@ -95,11 +95,11 @@ def cluster_assignment(
     for r, start in enumerate(situation.instance.starts):
         # A robot cannot enter a cluster whose centre it cannot reach, and does not go to one around
         # which it can serve nobody.
-        field = situation.distances.field(start)
+        own = situation.instance.map.component[start]
         served = {
             int(c): served_members(situation, analysis, clusters, r, int(c), deferred, options)
             for c in np.flatnonzero(chosen[r])
-            if np.isfinite(field[clusters.cells[c]])
+            if situation.instance.map.component[clusters.cells[c]] == own
         }
         taken = [c for c, visits in served.items() if visits]
         order = nearest_first(situation.distances, start, [clusters.cells[c] for c in taken])
@@ -126,11 +126,12 @@ def binary(solution: Solution, shape: tuple[int, ...]) -> NDArray[np.bool_]:
 
 def behind_walls(situation: Situation, clusters: Clustering) -> frozenset[int]:
     """The victims whose walk from their cluster's centre is longer than without walls."""
-    return frozenset(
-        v
-        for v, (cell, c) in enumerate(zip(situation.instance.cells, clusters.labels, strict=True))
-        if situation.distances(clusters.cells[c], cell) > manhattan(clusters.cells[c], cell)
-    )
+    order = np.argsort(clusters.labels, kind="stable").tolist()
+    centres = [clusters.cells[clusters.labels[v]] for v in order]
+    cells = [situation.instance.cells[v] for v in order]
+    walked = situation.distances.lengths(centres, cells)
+    ways = zip(order, walked, centres, cells, strict=True)
+    return frozenset(v for v, length, a, b in ways if length > manhattan(a, b))
 
 
 def served_members(

@@ -7,6 +7,7 @@ it from which a member can be reached, or the median where a formulation chose o
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,11 +107,12 @@ def clustering_data(situation: Situation) -> ClusteringData:
     cells = sorted(set(instance.cells))
     distance = situation.distances.between(cells, cells)
     can_reach = np.isfinite(distance)
-    n_parts = len(np.unique(can_reach, axis=0))
+    n_parts = len({int(instance.map.component[cell]) for cell in cells})
+    victims_on = Counter(instance.cells)
     return ClusteringData(
         distance=np.where(can_reach, distance, 0.0),
         can_reach=can_reach,
-        weight=np.array([instance.cells.count(cell) for cell in cells], dtype=float),
+        weight=np.array([victims_on[cell] for cell in cells], dtype=float),
         n_clusters=max(min(instance.n_robots, len(cells)), n_parts),
     )
 
@@ -147,12 +149,10 @@ def _centre_cell(situation: Situation, members: NDArray[np.bool_]) -> Cell:
 
     Ties go to the smallest row, then column.
     """
-    cells = np.argwhere(situation.instance.map.free)
+    component = situation.instance.map.component
     own = np.array(situation.instance.cells)[members]
+    cells = np.argwhere(np.isin(component, component[own[:, 0], own[:, 1]]))
     # Whole numbers, since rounding of the mean would break ties at random.
-    order = np.argsort(((len(own) * cells - own.sum(axis=0)) ** 2).sum(axis=1), kind="stable")
-    fields = [situation.distances.field((int(row), int(col))) for row, col in own]
-    for row, col in cells[order]:
-        if any(np.isfinite(field[row, col]) for field in fields):
-            return int(row), int(col)
-    raise AssertionError("a victim's own cell can be reached from itself")
+    far = ((len(own) * cells - own.sum(axis=0)) ** 2).sum(axis=1)
+    row, col = cells[far.argmin()]
+    return int(row), int(col)

@@ -87,7 +87,8 @@ def _posts(
     for c, centre in enumerate(clusters.cells):
         stops: list[Stop] = []
         for r, start in enumerate(situation.instance.starts):
-            if not np.isfinite(situation.distances(start, centre)):
+            component = situation.instance.map.component
+            if component[start] != component[centre]:
                 continue
             served = served_members(situation, analysis, clusters, r, c, deferred, options)
             if served and options.through_centre:

@@ -1,8 +1,11 @@
-"""Path planning (Algorithm 1, Path-Planning): the cells that each robot walks, by A*, and its times."""
+"""Path planning (Algorithm 1, Path-Planning): the cells that each robot walks, and its times.
+
+The walks are those of A* with the distance from the goal as its heuristic (`GridMap.walks`).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from ..mission.grid import Cell
 from ..mission.instance import Instance
@@ -16,19 +19,25 @@ def path_planning(instance: Instance, stops: Sequence[Stop]) -> tuple[Route, ...
     Stops without a victim are passed on the way to the next victim; those after a robot's last
     victim are not walked to, so a robot that serves nobody stays at its start.
     """
-    return tuple(
-        _route(instance, r, [stop for stop in stops if stop.robot == r])
-        for r in range(instance.n_robots)
-    )
+    queues: list[list[Stop]] = [[] for _ in instance.robots]
+    for stop in stops:
+        queues[stop.robot].append(stop)
+    starts: list[Cell] = []
+    for robot, queue in zip(instance.robots, queues, strict=True):
+        starts += [robot.start, *(stop.cell for stop in queue[:-1])][: len(queue)]
+    walks = iter(instance.map.walks(starts, [stop.cell for queue in queues for stop in queue]))
+    return tuple(_route(instance, r, queue, walks) for r, queue in enumerate(queues))
 
 
-def _route(instance: Instance, robot: int, stops: Sequence[Stop]) -> Route:
+def _route(
+    instance: Instance, robot: int, stops: Sequence[Stop], walks: Iterator[list[Cell]]
+) -> Route:
     record = instance.robots[robot]
     visits: list[Visit] = []
     leg: list[Cell] = [record.start]
     clock = 0.0
     for stop in stops:
-        leg.extend(instance.map.walk(leg[-1], stop.cell)[1:])
+        leg.extend(next(walks)[1:])
         if stop.victim is None:
             continue
         arrival = clock + (len(leg) - 1) / record.speed

@@ -145,8 +145,8 @@ class _Watch:
         self._looked_from: set[tuple[int, Cell]] = set()
         self._seen = np.zeros(grid.shape, dtype=bool)
         # Sight passes only where walking does, so what can be seen is what can be reached.
-        within_reach = np.isfinite(grid.fields([scout.start for scout in self.scouts]))
-        self._n_seeable = int(within_reach.any(axis=0).sum())
+        reachable = {int(grid.component[scout.start]) for scout in self.scouts}
+        self._n_seeable = int(np.isin(grid.component, list(reachable)).sum())
         self.hidden = {victim.id: victim.cell for victim in instance.victims}
         self.finds: list[Find] = []
         self.coverage: list[float] = []

@@ -37,14 +37,18 @@ class Situation:
 
     @classmethod
     def of(cls, instance: Instance) -> Situation:
-        """The situation of `instance`, with the fields of all starts and victims."""
+        """The situation of `instance`; distances are asked for between starts and victims."""
         return cls(instance, DistanceTable(instance.map, [*instance.starts, *instance.cells]))
 
     @cached_property
     def reach(self) -> NDArray[np.bool_]:
         """Whether robot r can walk to victim v, shape ``(n_robots, n_victims)``."""
-        instance = self.instance
-        return np.isfinite(self.distances.between(instance.starts, instance.cells))
+        component = self.instance.map.component
+        starts, cells = (
+            component[tuple(np.array(places, dtype=np.int64).reshape(-1, 2).T)]
+            for places in (self.instance.starts, self.instance.cells)
+        )
+        return np.asarray(starts[:, None] == cells[None, :])
 
     @cached_property
     def able(self) -> NDArray[np.bool_]:
@@ -60,14 +64,21 @@ class Situation:
     def after(self, stops: Iterable[Stop]) -> tuple[list[Cell], NDArray[np.float64]]:
         """Where each robot's queue ends, and when, in time units, shape ``(n_robots,)``."""
         cells = list(self.instance.starts)
-        busy = np.zeros(self.instance.n_robots)
-        for stop in stops:
-            travel = self.distances(cells[stop.robot], stop.cell)
-            busy[stop.robot] += travel / self.instance.speed[stop.robot]
-            if stop.victim is not None:
-                busy[stop.robot] += self.instance.service[stop.victim, list(stop.kinds)].sum()
+        queued, before = list(stops), []
+        for stop in queued:
+            before.append(cells[stop.robot])
             cells[stop.robot] = stop.cell
-        return cells, busy
+        walked = self.distances.lengths(before, [stop.cell for stop in queued])
+        speed, service = self.instance.speed.tolist(), self.instance.service.tolist()
+        busy = [0.0] * self.instance.n_robots
+        for stop, length in zip(queued, walked, strict=True):
+            busy[stop.robot] += length / speed[stop.robot]
+            if stop.victim is not None:
+                serving = 0.0
+                for k in stop.kinds:
+                    serving += service[stop.victim][k]
+                busy[stop.robot] += serving
+        return cells, np.array(busy)
 
 
 def without(remaining: NDArray[np.bool_], stops: Iterable[Stop]) -> NDArray[np.bool_]:
@@ -100,11 +111,15 @@ def each_once(stops: Iterable[Stop]) -> list[Stop]:
 
 def nearest_first(distances: DistanceTable, start: Cell, cells: Sequence[Cell]) -> list[int]:
     """Positions in `cells`, always the nearest of the rest next; ties to the first."""
+    if len(cells) <= 1:
+        return list(range(len(cells)))
+    far = distances.between([*cells, start], cells)
     order: list[int] = []
-    left = list(range(len(cells)))
-    while left:
-        nearest = min(left, key=lambda i: (distances(start, cells[i]), i))
-        left.remove(nearest)
-        order.append(nearest)
-        start = cells[nearest]
+    left = np.arange(len(cells))
+    here = len(cells)
+    while left.size:
+        i = int(far[here, left].argmin())
+        here = int(left[i])
+        order.append(here)
+        left = np.delete(left, i)
     return order

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import FrozenInstanceError
 from itertools import pairwise, product
@@ -8,34 +9,19 @@ import networkx as nx
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
-from numpy.typing import NDArray
+from support.maps import cells_of, free_cells, grids
 
+from msmrta_opt.arrays import Int32s
 from msmrta_opt.mission.grid import UNREACHABLE, Cell, DistanceTable, GridMap, manhattan
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
+from msmrta_opt.mission.search import Search
 
 Distances = Callable[[GridMap, Cell], dict[Cell, int]]
 
 DETOUR = grid_from_rows(["..@..", ".@@..", "....."])
 CLOSED = grid_from_rows(["..@.", "..@."])
 SPIRAL = grid_from_rows([".....", "@@@@.", "...@.", ".@@@.", "....."])
-
-
-@st.composite
-def grids(draw: st.DrawFn, most: int = 5) -> GridMap:
-    """Random maps of up to `most` rows and columns, of which walls may leave no free cell."""
-    n_rows, n_cols = draw(st.integers(1, most)), draw(st.integers(1, most))
-    row = st.text(".@", min_size=n_cols, max_size=n_cols)
-    return grid_from_rows(draw(st.lists(row, min_size=n_rows, max_size=n_rows)))
-
-
-def cells_of(grid: GridMap) -> list[Cell]:
-    return list(product(*map(range, grid.shape)))
-
-
-def free_cells(grid: GridMap) -> list[Cell]:
-    return [(row, col) for row, col in cells_of(grid) if grid.rows[row][col] == "."]
 
 
 # The map itself
@@ -89,7 +75,7 @@ def test_the_same_cells_in_another_shape_are_another_map() -> None:
 
 
 @given(grid=grids())
-def test_the_graph_and_the_adjacency_have_the_same_moves(grid: GridMap) -> None:
+def test_the_graph_has_the_moves_between_free_cells(grid: GridMap) -> None:
     moves = {
         (a, b)
         for a, b in product(free_cells(grid), repeat=2)
@@ -97,9 +83,6 @@ def test_the_graph_and_the_adjacency_have_the_same_moves(grid: GridMap) -> None:
     }
     assert set(grid.graph.nodes) == set(free_cells(grid))
     assert {move for a, b in grid.graph.edges for move in ((a, b), (b, a))} == moves
-    index = {cell: i for i, cell in enumerate(cells_of(grid))}
-    found = {(int(a), int(b)) for a, b in zip(*grid.adjacency.nonzero(), strict=True)}
-    assert found == {(index[a], index[b]) for a, b in moves}
 
 
 @pytest.mark.parametrize(
@@ -218,39 +201,69 @@ def test_between_nothing_is_an_empty_table(n_sources: int, n_targets: int) -> No
 
 
 class CountingMap(GridMap):
-    """A map that takes note of each source whose field is computed."""
-
-    def fields(self, sources: Sequence[Cell]) -> NDArray[np.float64]:
-        self.__dict__.setdefault("computed", []).extend(sources)
-        return super().fields(sources)
+    """A map that takes note of each pair of cells between which distances are searched."""
 
     @property
-    def asked(self) -> list[Cell]:
-        computed: list[Cell] = self.__dict__.get("computed", [])
-        return computed
+    def search(self) -> CountingSearch:  # type: ignore[override]
+        return self.__dict__.setdefault("counting", CountingSearch(super().search))
+
+    @property
+    def asked(self) -> list[tuple[Cell, Cell]]:
+        return self.search.asked
 
 
-def test_each_source_is_computed_once() -> None:
+class CountingSearch:
+    def __init__(self, engine: Search) -> None:
+        self.engine, self.asked = engine, list[tuple[Cell, Cell]]()
+
+    def between(self, sources: Sequence[Cell], targets: Sequence[Cell]) -> Int32s:
+        self.asked += product(sources, targets)
+        return self.engine.between(sources, targets)
+
+    def lengths(self, starts: Sequence[Cell], goals: Sequence[Cell]) -> Int32s:
+        self.asked += zip(starts, goals, strict=True)
+        return self.engine.lengths(starts, goals)
+
+
+def test_each_distance_is_worked_out_once() -> None:
     grid = CountingMap(DETOUR.free)
     table = DistanceTable(grid, [(0, 0), (2, 4), (0, 0)])
     for _ in range(3):
-        table.field((0, 0))
-        table.add([(2, 4), (0, 1)])
-        table.between([(0, 1), (2, 4)], [(0, 0), (2, 0)])
-        table((2, 4), (2, 0))
-    assert sorted(grid.asked) == [(0, 0), (0, 1), (2, 4)]
+        table.between([(0, 1), (2, 4)], [(0, 0), (2, 4)])
+        table((2, 4), (0, 1))
+        table.lengths([(2, 0), (2, 0), (0, 0)], [(1, 4), (1, 4), (2, 4)])
+    assert sorted(grid.asked) == [
+        ((0, 1), (0, 0)), ((0, 1), (2, 4)), ((2, 0), (1, 4)), ((2, 4), (0, 0)), ((2, 4), (2, 4)),
+    ]  # fmt: skip
 
 
-def test_a_field_from_either_end_will_do() -> None:
+def test_a_distance_known_from_either_end_will_do() -> None:
     grid = CountingMap(DETOUR.free)
-    table = DistanceTable(grid, [(0, 3)])
+    table = DistanceTable(grid, [(0, 0)])
+    assert table.between([(0, 3)], [(0, 0)]) == 7
     assert table((0, 0), (0, 3)) == table((0, 3), (0, 0)) == 7
-    assert grid.asked == [(0, 3)]
+    assert table((0, 3), (2, 0)) == table((2, 0), (0, 3)) == 5
+    assert grid.asked == [((0, 3), (0, 0)), ((0, 3), (2, 0))]
 
 
-def test_a_source_is_computed_when_first_asked_for() -> None:
+def test_a_distance_is_worked_out_when_first_asked_for() -> None:
     grid = CountingMap(DETOUR.free)
-    table = DistanceTable(grid)
+    table = DistanceTable(grid, [(2, 0)])
     assert grid.asked == []
     assert table((2, 0), (2, 4)) == 4
-    assert grid.asked == [(2, 0)]
+    assert grid.asked == [((2, 0), (2, 4))]
+
+
+def test_distances_to_cells_that_are_no_places_are_the_same() -> None:
+    places, others = [(0, 0), (2, 2)], [(0, 3), (2, 0)]
+    table = DistanceTable(DETOUR, places)
+    np.testing.assert_array_equal(table.between(places, others), [[7, 2], [3, 2]])
+    np.testing.assert_array_equal(table.between(others, places), [[7, 3], [2, 2]])
+
+
+def test_a_map_is_sent_to_other_processes_without_what_was_worked_out() -> None:
+    fresh, used = (pickle.dumps(GridMap(DETOUR.free, "detour")) for _ in range(2))
+    grid = GridMap(DETOUR.free, "detour")
+    grid.component, grid.graph, grid.walks([(0, 0)], [(2, 2)])
+    assert pickle.dumps(grid) == fresh == used
+    assert (pickle.loads(fresh), pickle.loads(fresh).name) == (DETOUR, "detour")

@@ -1,0 +1,139 @@
+"""Breadth-first search on a grid, compiled: distances, walks, and connected components.
+
+A map is a flat array of cells, row by row, with a blocked row above and below, and a blocked column to
+the right, which is also to the left of the next row: so the four neighbours of a cell are always there,
+and always as far away in the array. One more entry at the end is a cell that no walk leads to. `UNSEEN`
+marks free cells, `BLOCKED` the others; cells are named by their index. `without_numba` does the same.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Int32s, Ints
+from ..compiled import inlined, kernel
+
+UNSEEN, BLOCKED = -1, -2
+
+
+@inlined
+def _search(
+    distance: Int32s, width: int, queue: Int32s, head: int, tail: int, goal: int
+) -> tuple[int, int]:
+    """Go on until `goal` is seen or the search is at its end; the new ends of the queue."""
+    while head < tail and distance[goal] == UNSEEN:
+        cell = queue[head]
+        head += 1
+        there = distance[cell] + 1
+        for near in (cell - width, cell + width, cell - 1, cell + 1):
+            # No branch: whether a cell is new cannot be foretold, and to guess wrong takes longer.
+            known = distance[near]
+            new = known == UNSEEN
+            queue[tail] = near
+            tail += new
+            distance[near] = there if new else known
+    return head, tail
+
+
+@inlined
+def _begin(distance: Int32s, queue: Int32s, tail: int, source: int) -> tuple[int, int]:
+    """Forget the search before, whose queue ended at `tail`, and begin one; the ends of the queue."""
+    for i in range(tail):
+        distance[queue[i]] = UNSEEN
+    if distance[source] == BLOCKED:
+        return 0, 0
+    distance[source] = 0
+    queue[0] = source
+    return 0, 1
+
+
+@kernel("int32[:,::1](int32[::1], int64, int64[::1])")
+def fields(cells: Int32s, width: int, sources: Ints) -> Int32s:
+    """Distance of each source from every cell, ``(n_sources, len(cells))``; negative if none."""
+    found = np.empty((len(sources), len(cells)), np.int32)
+    queue = np.empty(len(cells) + 1, np.int32)
+    for s in range(len(sources)):
+        found[s] = cells
+        head, tail = _begin(found[s], queue, 0, sources[s])
+        _search(found[s], width, queue, head, tail, len(cells) - 1)
+    return found
+
+
+@kernel("int32[:,::1](int32[::1], int64, int64[::1], int64[::1])")
+def between(cells: Int32s, width: int, sources: Ints, targets: Ints) -> Int32s:
+    """Distance of each source from each target, ``(n_sources, n_targets)``; negative if none."""
+    found = np.empty((len(sources), len(targets)), np.int32)
+    distance, queue, tail = cells.copy(), np.empty(len(cells) + 1, np.int32), 0
+    for s in range(len(sources)):
+        head, tail = _begin(distance, queue, tail, sources[s])
+        for t in range(len(targets)):
+            head, tail = _search(distance, width, queue, head, tail, targets[t])
+            found[s, t] = distance[targets[t]]
+    return found
+
+
+@kernel("int32[::1](int32[::1], int64, int64[::1], int64[::1])")
+def lengths(cells: Int32s, width: int, starts: Ints, goals: Ints) -> Int32s:
+    """Distance of each start from its goal, ``(n_walks,)``; negative if none.
+
+    Walks that follow each other and have the same start take one search.
+    """
+    found = np.empty(len(starts), np.int32)
+    distance, queue, head, tail = cells.copy(), np.empty(len(cells) + 1, np.int32), 0, 0
+    for i in range(len(starts)):
+        if i == 0 or starts[i] != starts[i - 1]:
+            head, tail = _begin(distance, queue, tail, starts[i])
+        head, tail = _search(distance, width, queue, head, tail, goals[i])
+        found[i] = distance[goals[i]]
+    return found
+
+
+@kernel("Tuple((int32[::1], int64[::1]))(int32[::1], int64, int64[::1], int64[::1])")
+def walks(cells: Int32s, width: int, starts: Ints, goals: Ints) -> tuple[Int32s, Ints]:
+    """Shortest walks: their cells, one walk after the other, and where each ends among them.
+
+    A walk goes down the distances from its goal, and of several ways takes the first: up, down, left,
+    right. A walk that there is not has no cells.
+    """
+    walked, size = np.empty(1024, np.int32), 0
+    ends = np.empty(len(starts), np.int64)
+    distance, queue, head, tail = cells.copy(), np.empty(len(cells) + 1, np.int32), 0, 0
+    for i in range(len(starts)):
+        if i == 0 or goals[i] != goals[i - 1]:
+            head, tail = _begin(distance, queue, tail, goals[i])
+        cell = starts[i]
+        head, tail = _search(distance, width, queue, head, tail, cell)
+        left = distance[cell]
+        if size + left + 1 > len(walked):
+            longer = np.empty(2 * (size + left + 1), np.int32)
+            longer[:size] = walked[:size]
+            walked = longer
+        if left >= 0:
+            walked[size] = cell
+            size += 1
+        while left > 0:
+            left -= 1
+            for near in (cell - width, cell + width, cell - 1, cell + 1):
+                if distance[near] == left:
+                    cell = near
+                    break
+            walked[size] = cell
+            size += 1
+        ends[i] = size
+    return walked[:size].copy(), ends
+
+
+@kernel("int32[::1](int32[::1], int64)")
+def components(cells: Int32s, width: int) -> Int32s:
+    """The connected component of each free cell, from 1 on in the order of first cells; others 0."""
+    label = np.zeros(len(cells), np.int32)
+    distance, queue, number = cells.copy(), np.empty(len(cells) + 1, np.int32), 0
+    for cell in range(len(cells) - 1):
+        if distance[cell] == UNSEEN:
+            number += 1
+            distance[cell] = 0
+            queue[0] = cell
+            _, tail = _search(distance, width, queue, 0, 1, len(cells) - 1)
+            for i in range(tail):
+                label[queue[i]] = number
+    return label
