@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ..mission.errors import CheckError
 from ..mission.grid import Cell
 from ..mission.instance import Instance
 from ..mission.plan import Route, Visit
@@ -18,6 +19,11 @@ def path_planning(instance: Instance, stops: Sequence[Stop]) -> tuple[Route, ...
 
     Stops without a victim are passed on the way to the next victim; those after a robot's last
     victim are not walked to, so a robot that serves nobody stays at its start.
+
+    Raises
+    ------
+    CheckError
+        If no walk leads from a stop to the next.
     """
     queues: list[list[Stop]] = [[] for _ in instance.robots]
     for stop in stops:
@@ -37,7 +43,10 @@ def _route(
     leg: list[Cell] = [record.start]
     clock = 0.0
     for stop in stops:
-        leg.extend(next(walks)[1:])
+        walk = next(walks)
+        if not walk:
+            raise CheckError(f"robot {record.id}: no walk leads from {leg[-1]} to {stop.cell}")
+        leg.extend(walk[1:])
         if stop.victim is None:
             continue
         arrival = clock + (len(leg) - 1) / record.speed

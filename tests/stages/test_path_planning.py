@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.errors import CheckError
 from msmrta_opt.mission.grid import Cell
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
@@ -116,7 +117,7 @@ def test_a_stop_that_no_walk_leads_to_is_an_error() -> None:
         map=grid_from_rows(["..@....."]),
         victims=(Victim(id=30, cell=(0, 4), requirements=("A",)),),
     )
-    with pytest.raises(nx.NetworkXNoPath):
+    with pytest.raises(CheckError, match=r"robot .*: no walk leads from \(0, 0\) to \(0, 4\)"):
         path_planning(instance, [Stop(0, (0, 4), "B2", 0, (A,))])
 
 
