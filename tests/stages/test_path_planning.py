@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.errors import CheckError
+from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.grid import Cell
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
