@@ -167,5 +167,5 @@ PLANNER = Planner(
     "mrga",
     "the paper's baseline (MRGA), goal by goal",
     run,
-    libraries=(*WALKING, *CLUSTERING, "scipy.optimize"),
+    libraries=(*WALKING, *CLUSTERING, "networkx", "scipy.optimize"),
 )

@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from typing import Any
 
 from ..._version import __version__
@@ -19,9 +20,10 @@ from ...mission.plan import Plan
 from ...optimise import registry
 from ...optimise.solvers import solvers
 
-RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numpy", "scikit-learn", "scipy")
-WALKING = ("networkx", "scipy.sparse.csgraph", "msmrta_opt.mission.breadth_first")
-CLUSTERING = ("sklearn.cluster", "threadpoolctl")
+RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numba", "numpy", "scikit-learn", "scipy")
+COMPILED = find_spec("numba") is not None
+WALKING = ("msmrta_opt.mission.breadth_first",) if COMPILED else ("networkx", "scipy.sparse.csgraph")
+CLUSTERING = ("sklearn.cluster", "threadpoolctl", "msmrta_opt.stages.random_swap")
 SOLVING = (
     *("cvxpy", "cvxpy.cvxcore.python.cppbackend", "highspy", "scipy.optimize"),
     "msmrta_opt.optimise.coefficients",
