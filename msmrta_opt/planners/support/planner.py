@@ -22,7 +22,9 @@ from ...optimise.solvers import solvers
 
 RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numba", "numpy", "scikit-learn", "scipy")
 COMPILED = find_spec("numba") is not None
-WALKING = ("msmrta_opt.mission.breadth_first",) if COMPILED else ("networkx", "scipy.sparse.csgraph")
+WALKING = (
+    ("msmrta_opt.mission.breadth_first",) if COMPILED else ("networkx", "scipy.sparse.csgraph")
+)
 CLUSTERING = ("sklearn.cluster", "threadpoolctl", "msmrta_opt.stages.random_swap")
 SOLVING = (
     *("cvxpy", "cvxpy.cvxcore.python.cppbackend", "highspy", "scipy.optimize"),
