@@ -19,9 +19,9 @@ import cvxpy as cp
 import numpy as np
 
 import msmrta_opt as mo
+from msmrta_opt.optimise.compile import compile_for
 from msmrta_opt.optimise.parametric import Family, envelope
 from msmrta_opt.optimise.registry import get
-from msmrta_opt.optimise.solve import compile_for
 
 MAP = Path(__file__).parents[1] / "instances" / "maps" / "map2.map"
 MODEL = "cluster_one_to_one"

@@ -3,7 +3,7 @@
 Sets        robots r, clusters c
 Data        w_rc    requirements that robot r can serve in cluster c
             w^f_rc  those of victims that r can satisfy fully
-            b_r     most clusters that robot r may take
+            b_r     maximum number of clusters that robot r may take
 Parameter   ψ in [0, 1], the importance of full over partial satisfaction
 Variables   x_rc in {0, 1}: robot r takes cluster c
 
@@ -27,7 +27,7 @@ SPEC = Spec(
 
 
 def build(data: ClusterData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, shape ``(n_robots, n_clusters)``."""
+    """The program for `data`; its solution is ``x`` over (r, c)."""
     psi = cp.Parameter(nonneg=True, name="psi")
     x = cp.Variable(data.w.shape, boolean=True, name="x")
 

@@ -1,11 +1,11 @@
-"""Clusters to robots, one to one and fair: the pair that scores least scores as much as can be.
+"""Clusters to robots, one to one and fair: max-min, the minimum score of a pair is maximised.
 
 Sets        robots r, clusters c
 Data        w_rc    requirements that robot r can serve in cluster c
             w^f_rc  those of victims that r can satisfy fully
 Parameter   ψ in [0, 1], the importance of full over partial satisfaction
 Variables   x_rc in {0, 1}: robot r takes cluster c
-            z: the least score of a pair
+            z: the minimum score of a pair
 
     max   z
     s.t.  Σ_r x_rc ≤ 1           for all c   a cluster has at most one robot
@@ -26,16 +26,16 @@ from msmrta_opt.optimise.formulation import PSI, ClusterData, Spec
 
 SPEC = Spec(
     stage="cluster",
-    title="Eq. 1, one to one and fair: the largest least score of a pair",
+    title="Eq. 1, one to one and fair: max-min, the minimum score of a pair is maximised",
     parameters={"psi": PSI},
 )
 
 
 def build(data: ClusterData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, shape ``(n_robots, n_clusters)``."""
+    """The program for `data`; its solution is ``x`` over (r, c)."""
     psi = cp.Parameter(nonneg=True, name="psi")
     x = cp.Variable(data.w.shape, boolean=True, name="x")
-    least = cp.Variable(name="least")
+    minimum = cp.Variable(name="minimum")
 
     n_robots, n_clusters = x.shape
     scarcer, other = ("cluster {c}", 0) if n_clusters <= n_robots else ("robot {r}", 1)
@@ -43,11 +43,11 @@ def build(data: ClusterData) -> cp.Problem:
     full = cp.sum(cp.multiply(data.w_full, x), axis=other)
     score = (1 - psi) * partial + psi * full
     return cp.Problem(
-        cp.Maximize(least),
+        cp.Maximize(minimum),
         [
             (cp.sum(x, axis=0) <= 1).set_label("cluster {c} has at most one robot"),
             (cp.sum(x, axis=1) <= 1).set_label("robot {r} has at most one cluster"),
             (cp.sum(x) == min(x.shape)).set_label("as many pairs as can be"),
-            (least <= score).set_label(f"{scarcer} scores no less than the least"),
+            (minimum <= score).set_label(f"{scarcer} scores at least the minimum"),
         ],
     )

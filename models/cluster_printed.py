@@ -25,7 +25,7 @@ SPEC = Spec(
 
 
 def build(data: ClusterData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, shape ``(n_robots, n_clusters)``."""
+    """The program for `data`; its solution is ``x`` over (r, c)."""
     psi = cp.Parameter(nonneg=True, name="psi")
     x = cp.Variable(data.w.shape, boolean=True, name="x")
 

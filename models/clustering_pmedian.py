@@ -24,13 +24,13 @@ from msmrta_opt.optimise.formulation import ClusteringData, Spec
 
 SPEC = Spec(
     stage="clustering",
-    title="p-median: least walking distance to K victims' cells, walls counted",
+    title="p-median: minimum walking distance to K victims' cells, walls counted",
     assumes="K is at least the number of parts of the map, joined by no walk, that hold victims",
 )
 
 
 def build(data: ClusteringData) -> cp.Problem:
-    """The program for `data`; answers with ``y``, shape ``(n_cells, n_cells)``."""
+    """The program for `data`; its solution is ``y`` over (i, j)."""
     y = cp.Variable(data.distance.shape, boolean=True, bounds=[0, data.can_reach], name="y")
     median = cp.Variable(data.n_cells, boolean=True, name="median")
 

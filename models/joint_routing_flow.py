@@ -45,7 +45,6 @@ Source      Gavish and Graves (1978), "The travelling salesman problem and relat
 """
 
 import cvxpy as cp
-import numpy as np
 
 from msmrta_opt.optimise.formulation import Parameter, Spec
 from msmrta_opt.routing.problem import RoutingData
@@ -59,29 +58,20 @@ SPEC = Spec(
 
 
 def build(data: RoutingData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, ``y`` and ``a``. The start is the last place."""
+    """The program for `data`; its solution is ``x`` over (r, i, j), ``y`` (r, v), ``a`` (r, v, k)."""
     w = cp.Parameter(nonneg=True, name="w")
     n_victims = data.n_victims
-    here = np.pad(data.can_visit, ((0, 0), (0, 1)), constant_values=True)
-    can_go = here[:, :, None] & data.can_visit[:, None, :]
-    can_go &= ~np.eye(n_victims + 1, n_victims, dtype=bool)
-    x = cp.Variable(can_go.shape, boolean=True, bounds=[0, can_go], name="x")
+    x = cp.Variable(data.can_go.shape, boolean=True, bounds=[0, data.can_go], name="x")
     y = cp.Variable(data.can_visit.shape, boolean=True, name="y")
     a = cp.Variable(data.able.shape, boolean=True, bounds=[0, data.able], name="a")
-    f = cp.Variable(can_go.shape, bounds=[0, None], name="f")
+    f = cp.Variable(data.can_go.shape, bounds=[0, None], name="f")
     makespan = cp.Variable(name="makespan")
 
-    travel = np.concatenate([data.between, data.leave[:, None, :]], axis=1)
     onward = cp.sum(x[:, :n_victims, :], axis=2)
-    walked = cp.sum(cp.multiply(travel, x), axis=(1, 2))
+    walked = cp.sum(cp.multiply(data.travel, x), axis=(1, 2))
     walked += cp.sum(cp.multiply(data.back, y - onward), axis=1)
     busy = walked + cp.sum(cp.multiply(data.service[None], a), axis=(1, 2))
-    ahead = np.asarray(can_go.sum(axis=2, keepdims=True), float)
     passed = cp.sum(f, axis=1) - cp.sum(f[:, :n_victims, :], axis=2)
-    farthest = (travel * can_go).max(axis=1).sum(axis=1) + data.back.max(axis=1)
-    longest_walk = np.minimum(data.longest_walk, farthest)
-    service = (data.service * data.able).sum(axis=(1, 2))
-    endurance = np.minimum(data.endurance, longest_walk + service)
     return cp.Problem(
         cp.Minimize((1 - w) * cp.sum(busy) + w * makespan),
         [
@@ -98,14 +88,14 @@ def build(data: RoutingData) -> cp.Problem:
                 "robot {r} leaves its start at most once"
             ),
             (passed == y).set_label("robot {r} takes one unit of its flow to victim {j}"),
-            (f <= cp.multiply(ahead, x)).set_label(
+            (f <= cp.multiply(data.onward[:, :, None], x)).set_label(
                 "robot {r} has visits before it from place {i} to victim {j} only if it goes there"
             ),
             (f >= x).set_label(
                 "robot {r} has a visit before it if it goes from place {i} to victim {j}"
             ),
             (busy <= makespan).set_label("robot {r} is done by the makespan"),
-            (walked <= longest_walk).set_label("robot {r} travels no longer than it may"),
-            (busy <= endurance).set_label("robot {r} is busy no longer than it may"),
+            (walked <= data.maximum_travel).set_label("robot {r} travels no longer than it may"),
+            (busy <= data.maximum_busy).set_label("robot {r} is busy no longer than it may"),
         ],
     )

@@ -55,7 +55,6 @@ Source      Miller, Tucker and Zemlin (1960), "Integer programming formulation o
 """
 
 import cvxpy as cp
-import numpy as np
 
 from msmrta_opt.optimise.formulation import Parameter, Spec
 from msmrta_opt.routing.problem import RoutingData
@@ -73,15 +72,12 @@ SPEC = Spec(
 
 
 def build(data: RoutingData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, ``y`` and ``a``. The start is the last place."""
+    """The program for `data`; its solution is ``x`` over (r, i, j), ``y`` (r, v), ``a`` (r, v, k)."""
     w_total = cp.Parameter(nonneg=True, name="w_total")
     w_makespan = cp.Parameter(nonneg=True, name="w_makespan")
     w_latency = cp.Parameter(nonneg=True, name="w_latency")
     n_victims = data.n_victims
-    here = np.pad(data.can_visit, ((0, 0), (0, 1)), constant_values=True)
-    can_go = here[:, :, None] & data.can_visit[:, None, :]
-    can_go &= ~np.eye(n_victims + 1, n_victims, dtype=bool)
-    x = cp.Variable(can_go.shape, boolean=True, bounds=[0, can_go], name="x")
+    x = cp.Variable(data.can_go.shape, boolean=True, bounds=[0, data.can_go], name="x")
     y = cp.Variable(data.can_visit.shape, boolean=True, name="y")
     a = cp.Variable(data.able.shape, boolean=True, bounds=[0, data.able], name="a")
     place = cp.Variable(y.shape, bounds=[0, None], name="place")
@@ -89,23 +85,19 @@ def build(data: RoutingData) -> cp.Problem:
     completion = cp.Variable(n_victims, bounds=[0, None], name="completion")
     makespan = cp.Variable(name="makespan")
 
-    travel = np.concatenate([data.between, data.leave[:, None, :]], axis=1)
     between = x[:, :n_victims, :]
     onward = cp.sum(between, axis=2)
-    walked = cp.sum(cp.multiply(travel, x), axis=(1, 2))
+    walked = cp.sum(cp.multiply(data.travel, x), axis=(1, 2))
     walked += cp.sum(cp.multiply(data.back, y - onward), axis=1)
     served = cp.sum(cp.multiply(data.service[None], a), axis=2)
     busy = walked + cp.sum(served, axis=1)
-    way_in = cp.sum(cp.multiply(travel, x), axis=1)
-    visits = np.maximum(data.can_visit.sum(axis=1), 1)[:, None, None]
+    way_in = cp.sum(cp.multiply(data.travel, x), axis=1)
+    visits = data.maximum_visits[:, None, None]
+    longest = data.maximum_busy[:, None, None]
     numbers = place[:, :, None] - place[:, None, :] + cp.multiply(visits, between)
     numbers += cp.multiply(visits - 2, cp.transpose(between, axes=(0, 2, 1)))
-    farthest = (travel * can_go).max(axis=1).sum(axis=1) + data.back.max(axis=1)
-    longest_walk = np.minimum(data.longest_walk, farthest)
-    service = (data.service * data.able).sum(axis=(1, 2))
-    endurance = np.minimum(data.endurance, longest_walk + service)
-    soonest = done[:, :, None] + served[:, None, :] - endurance[:, None, None]
-    soonest += cp.multiply(data.between + endurance[:, None, None], between)
+    soonest = done[:, :, None] + served[:, None, :] - longest
+    soonest += cp.multiply(data.between + longest, between)
     return cp.Problem(
         cp.Minimize(
             w_total * cp.sum(busy)
@@ -136,7 +128,7 @@ def build(data: RoutingData) -> cp.Problem:
             ),
             (completion[None, :] >= done).set_label("robot {r} is done with victim {v} by its end"),
             (busy <= makespan).set_label("robot {r} is done by the makespan"),
-            (walked <= longest_walk).set_label("robot {r} travels no longer than it may"),
-            (busy <= endurance).set_label("robot {r} is busy no longer than it may"),
+            (walked <= data.maximum_travel).set_label("robot {r} travels no longer than it may"),
+            (busy <= data.maximum_busy).set_label("robot {r} is busy no longer than it may"),
         ],
     )

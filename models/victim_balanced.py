@@ -7,13 +7,13 @@ Data        S_rv    success time of robot r at victim v, in time units; it inclu
             a_rv    1 if r can reach v and serve something there, else 0
 Parameter   β in [0, 1], the importance of failure time over success time
 Variables   x_rv in {0, a_rv}: robot r takes victim v
-            T ≥ 0: the load of the busiest robot, in time units
+            T ≥ 0: the maximum load of a robot, in time units
 
     min   T
     s.t.  Σ_r x_rv = 1                                           for all v in V⁺
               a victim has exactly one robot
           (1 − β) b_r + Σ_v [(1 − β)(S_rv − b_r) + β F_rv] x_rv ≤ T   for all r
-              no robot is busier than T; b_r counts once, however many victims r takes
+              no robot has a load above T; b_r counts once, however many victims r takes
 
 Size        N M + 1 variables, N + |V⁺| rows. Strongly NP-hard (scheduling unrelated machines).
 Source      Osooli et al. (2023), Eq. 2, with its rows as equations and a min-max objective.
@@ -25,28 +25,26 @@ from msmrta_opt.optimise.formulation import BETA, Spec, VictimData
 
 SPEC = Spec(
     stage="victim",
-    title="Eq. 2, balanced: each victim exactly one robot, least busiest robot",
+    title="Eq. 2, balanced: each victim exactly one robot, minimum of the maximum load",
     parameters={"beta": BETA},
 )
 
 
 def build(data: VictimData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, shape ``(n_robots, n_victims)``."""
+    """The program for `data`; its solution is ``x`` over (r, v)."""
     beta = cp.Parameter(nonneg=True, name="beta")
     x = cp.Variable(data.success.shape, boolean=True, bounds=[0, data.can_serve], name="x")
-    busiest = cp.Variable(bounds=[0, None], name="busiest")
+    maximum = cp.Variable(bounds=[0, None], name="maximum")
 
-    coverable = data.can_serve.any(axis=0).astype(int)
-    extra = (data.success - data.busy[:, None]) * data.can_serve
-    success = data.busy + cp.sum(cp.multiply(extra, x), axis=1)
+    success = data.busy + cp.sum(cp.multiply(data.extra, x), axis=1)
     failure = cp.sum(cp.multiply(data.failure, x), axis=1)
     load = (1 - beta) * success + beta * failure
     return cp.Problem(
-        cp.Minimize(busiest),
+        cp.Minimize(maximum),
         [
-            (cp.sum(x, axis=0) == coverable).set_label(
+            (cp.sum(x, axis=0) == data.coverable).set_label(
                 "victim {v} has one robot if any can serve it"
             ),
-            (load <= busiest).set_label("robot {r} is no busier than the busiest"),
+            (load <= maximum).set_label("robot {r} has at most the maximum load"),
         ],
     )

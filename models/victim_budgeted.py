@@ -1,11 +1,11 @@
-"""Victims to robots within budgets: as many victims as can be, at the least cost.
+"""Victims to robots within budgets: as many victims as can be, at minimum cost.
 
 Sets        robots r, victims v
 Data        S_rv    success time of robot r at victim v, in time units
             F_rv    failure time of robot r at victim v, in time units
             a_rv    1 if r can reach v and serve something there, else 0
-            b_r     most victims that robot r may take
-            ν       most victims that can be taken within the budgets
+            b_r     maximum number of victims that robot r may take
+            ν       maximum number of victims that can be taken within the budgets
 Parameter   β in [0, 1], the importance of failure time over success time
 Variables   x_rv in {0, a_rv}: robot r takes victim v
 
@@ -24,13 +24,13 @@ from msmrta_opt.optimise.formulation import BETA, Spec, VictimData
 
 SPEC = Spec(
     stage="victim",
-    title="Eq. 2 with budgets: most victims, then least cost; robot r takes at most b_r",
+    title="Eq. 2 with budgets: maximum number of victims, then minimum cost; at most b_r for robot r",
     parameters={"beta": BETA},
 )
 
 
 def build(data: VictimData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, shape ``(n_robots, n_victims)``."""
+    """The program for `data`; its solution is ``x`` over (r, v)."""
     beta = cp.Parameter(nonneg=True, name="beta")
     x = cp.Variable(data.success.shape, boolean=True, bounds=[0, data.can_serve], name="x")
 

@@ -26,17 +26,16 @@ SPEC = Spec(
 
 
 def build(data: VictimData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, shape ``(n_robots, n_victims)``."""
+    """The program for `data`; its solution is ``x`` over (r, v)."""
     beta = cp.Parameter(nonneg=True, name="beta")
     x = cp.Variable(data.success.shape, boolean=True, bounds=[0, data.can_serve], name="x")
 
-    coverable = data.can_serve.any(axis=0).astype(int)
     success = cp.sum(cp.multiply(data.success, x))
     failure = cp.sum(cp.multiply(data.failure, x))
     return cp.Problem(
         cp.Minimize((1 - beta) * success + beta * failure),
         [
-            (cp.sum(x, axis=0) == coverable).set_label(
+            (cp.sum(x, axis=0) == data.coverable).set_label(
                 "victim {v} has one robot if any can serve it"
             )
         ],

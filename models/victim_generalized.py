@@ -5,7 +5,7 @@ Data        S_rv    success time of robot r at victim v, in time units; it inclu
             F_rv    failure time of robot r at victim v, in time units
             b_r     when robot r is done with what it has already, in time units
             a_rv    1 if r can reach v and serve something there, else 0
-            e_r     most time units that robot r may be busy in all
+            e_r     maximum time that robot r may be busy in all, in time units
             h_r     what is left of them: max(e_r − b_r, 0), but no more than Σ_v a_rv (S_rv − b_r),
                     the time of all its victims, which stands for e_r = ∞
 Parameter   β in [0, 1], the importance of failure time over success time
@@ -21,7 +21,6 @@ Source      Ross and Soland (1975), "A branch and bound algorithm for the genera
 """
 
 import cvxpy as cp
-import numpy as np
 
 from msmrta_opt.optimise.formulation import BETA, Spec, VictimData
 
@@ -34,22 +33,19 @@ SPEC = Spec(
 
 
 def build(data: VictimData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, shape ``(n_robots, n_victims)``."""
+    """The program for `data`; its solution is ``x`` over (r, v)."""
     beta = cp.Parameter(nonneg=True, name="beta")
     x = cp.Variable(data.success.shape, boolean=True, bounds=[0, data.can_serve], name="x")
 
-    coverable = data.can_serve.any(axis=0).astype(int)
-    extra = (data.success - data.busy[:, None]) * data.can_serve
-    left = np.minimum(np.maximum(data.endurance - data.busy, 0), extra.sum(axis=1))
     success = cp.sum(cp.multiply(data.success, x))
     failure = cp.sum(cp.multiply(data.failure, x))
     return cp.Problem(
         cp.Minimize((1 - beta) * success + beta * failure),
         [
-            (cp.sum(x, axis=0) == coverable).set_label(
+            (cp.sum(x, axis=0) == data.coverable).set_label(
                 "victim {v} has one robot if any can serve it"
             ),
-            (cp.sum(cp.multiply(extra, x), axis=1) <= left).set_label(
+            (cp.sum(cp.multiply(data.extra, x), axis=1) <= data.time_left).set_label(
                 "robot {r} keeps to its endurance"
             ),
         ],

@@ -1,10 +1,10 @@
-"""Victims to robots, one to one: as many pairs as can be, at the least cost.
+"""Victims to robots, one to one: as many pairs as can be, at minimum cost.
 
 Sets        robots r, victims v
 Data        S_rv    success time of robot r at victim v, in time units
             F_rv    failure time of robot r at victim v, in time units
             a_rv    1 if r can reach v and serve something there, else 0
-            ν       size of a largest matching of the pairs with a_rv = 1
+            ν       size of a maximum-cardinality matching of the pairs with a_rv = 1
 Parameter   β in [0, 1], the importance of failure time over success time
 Variables   x_rv in {0, a_rv}: robot r takes victim v
 
@@ -23,13 +23,13 @@ from msmrta_opt.optimise.formulation import BETA, Spec, VictimData
 
 SPEC = Spec(
     stage="victim",
-    title="Eq. 2, one to one: most pairs, then least cost (the text's linear assignment)",
+    title="Eq. 2, one to one: maximum number of pairs, then minimum cost (the text's linear assignment)",
     parameters={"beta": BETA},
 )
 
 
 def build(data: VictimData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, shape ``(n_robots, n_victims)``."""
+    """The program for `data`; its solution is ``x`` over (r, v)."""
     beta = cp.Parameter(nonneg=True, name="beta")
     x = cp.Variable(data.success.shape, boolean=True, bounds=[0, data.can_serve], name="x")
 

@@ -29,7 +29,7 @@ SPEC = Spec(
 
 
 def build(data: VictimData) -> cp.Problem:
-    """The program for `data`; answers with ``x``, shape ``(n_robots, n_victims)``."""
+    """The program for `data`; its solution is ``x`` over (r, v)."""
     beta = cp.Parameter(nonneg=True, name="beta")
     x = cp.Variable(data.success.shape, boolean=True, bounds=[0, data.can_serve], name="x")
 

@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from .mission.maps import read_map as read_map
     from .mission.metrics import Metrics as Metrics
     from .mission.plan import Plan as Plan
+    from .optimise.compile.compiled import program as program
+    from .optimise.compile.compiled import structure as structure
     from .optimise.data import ClusterData as ClusterData
     from .optimise.data import ClusteringData as ClusteringData
     from .optimise.data import JointAssignmentData as JointAssignmentData
@@ -52,8 +54,6 @@ if TYPE_CHECKING:
     from .optimise.export import write_program as write_program
     from .optimise.formulation import Parameter as Parameter
     from .optimise.formulation import Spec as Spec
-    from .optimise.matrix import program as program
-    from .optimise.matrix import structure as structure
     from .optimise.registry import add_models as add_models
     from .optimise.registry import copy_model as copy_model
     from .optimise.registry import get as model  # noqa: F401

@@ -57,7 +57,7 @@ def solve(
     options: Options = None,
     folders: Folders = None,
 ) -> None:
-    """Solve a formulation on an instance, and print the answer with its certificate."""
+    """Solve a formulation on an instance, and print the solution with its certificate."""
     from ..optimise.solve import solve as solve_it
 
     formulation, data = _prepared(model, instance, options, folders)
@@ -112,8 +112,6 @@ def _start(
 
 
 def _show_solution(solution: Solution) -> None:
-    import numpy as np
-
     from .console import number, seconds, table
 
     rows: list[tuple[str, object]] = [
@@ -133,13 +131,8 @@ def _show_solution(solution: Solution) -> None:
     if solution.message:
         rows.append(("the solver says", solution.message))
     table(solution.formulation, ["what", "value"], rows)
-    nonzero = [
-        (f"{name}[{', '.join(map(str, index))}]" if index else name, float(values[tuple(index)]))
-        for name, values in solution.values.items()
-        for index in np.argwhere(np.abs(values) > 1e-9).tolist()
-    ]
     if solution.found:
-        table("Variables that are not zero", ["variable", "value"], nonzero)
+        table("Variables that are not zero", ["variable", "value"], solution.nonzero())
 
 
 def export(

@@ -1,1 +1,12 @@
-"""Formulations, solvers, and proofs of what they answer. Nothing heavy is imported until used."""
+"""Formulations and programs: from a file of ``models/`` and data to a checked solution.
+
+Reading order:
+
+- `formulation`, `axes`, `data`: the contract of a model file, and what stages hand to it.
+- `registry`: the model files, found by name.
+- `compile`: a formulation on data as a `program`, all in arrays, named in ids.
+- `structure`, `assignment`: what the matrix proves, and what that spares.
+- `solve`, `solvers`, `solution`, `check`: solving, and checking apart from the solver.
+- `explain`: why a program is infeasible. `export`: programs as files.
+- `parametric`, `frontier`: all values of a weight at once, and what no weight reaches.
+"""

@@ -1,39 +1,42 @@
-"""What each stage hands to its formulations, in arrays; the joint problem's is `routing.problem`."""
+"""What each stage hands to its formulations, in arrays; the joint problem's is `routing.problem`.
+
+Beside what is given stand, as properties, what formulations need of it: which victims can be covered,
+the size of a largest matching, the time that a robot has left. All of that is data, so that a model
+file holds nothing but its mathematics.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 
-from ..arrays import Bools, Floats, Ints, own_arrays, per_robot, require_finite, same_shape
+from ..arrays import Bools, Floats, Ints
+from .axes import Axis, StageData, over
 
 
 @dataclass(frozen=True, eq=False)
-class ClusteringData:
+class ClusteringData(StageData):
     """Which of the victims' cells form a cluster, and which of them stands for it.
 
-    A formulation answers with a binary variable ``y``, shape ``(n_cells, n_cells)``: cell i is in
-    the cluster that cell j stands for. Distances where ``can_reach`` is false mean nothing and are 0.
+    The stage reads a binary variable ``y`` over (i, j): cell i is in the cluster that cell j stands
+    for. Distances where ``can_reach`` is false mean nothing and are 0.
     """
 
-    distance: Floats
-    """Walking distance from cell i to cell j, in cells, ``(n_cells, n_cells)``."""
-    can_reach: Bools
-    """Whether cell j can be reached from cell i, ``(n_cells, n_cells)``."""
-    weight: Floats
-    """Number of victims on cell i, ``(n_cells,)``."""
+    stage = "clustering"
+    axes = MappingProxyType({"i": Axis("cell"), "j": Axis("median", of="i")})
+    solution = MappingProxyType({"y": ("i", "j")})
+
+    distance: Floats = field(metadata=over("i", "j"))
+    """Walking distance from cell i to cell j, in cells."""
+    can_reach: Bools = field(metadata=over("i", "j"))
+    """Whether cell j can be reached from cell i."""
+    weight: Floats = field(metadata=over("i"))
+    """Number of victims on cell i."""
     n_clusters: int
     """K, the number of clusters."""
-
-    def __post_init__(self) -> None:
-        own_arrays(self)
-        same_shape("distance", self.distance, can_reach=self.can_reach)
-        if self.distance.shape != (self.n_cells, self.n_cells):
-            raise ValueError(f"distance has shape {self.distance.shape}; give a square")
-        if self.weight.shape != (self.n_cells,):
-            raise ValueError(f"weight has shape {self.weight.shape} for {self.n_cells} cells")
-        require_finite(distance=self.distance, weight=self.weight)
 
     @property
     def n_cells(self) -> int:
@@ -42,56 +45,67 @@ class ClusteringData:
 
 
 @dataclass(frozen=True, eq=False)
-class ClusterData:
-    """Eq. 1: which robot takes which cluster.
+class ClusterData(StageData):
+    """Eq. 1: which robot takes which cluster; the stage reads a binary ``x`` over (r, c)."""
 
-    A formulation answers with a binary variable ``x``, shape ``(n_robots, n_clusters)``.
-    """
+    stage = "cluster"
+    axes = MappingProxyType({"r": Axis("robot"), "c": Axis("cluster")})
+    solution = MappingProxyType({"x": ("r", "c")})
 
-    w: Floats
-    """Requirements that robot r can serve in cluster c, ``(n_robots, n_clusters)``."""
-    w_full: Floats
-    """Those of victims that robot r can satisfy fully, ``(n_robots, n_clusters)``."""
-    budget: Ints
-    """Most clusters that robot r may take, ``(n_robots,)``."""
-
-    def __post_init__(self) -> None:
-        own_arrays(self)
-        same_shape("w", self.w, w_full=self.w_full)
-        per_robot(self.w, budget=self.budget)
-        require_finite(w=self.w, w_full=self.w_full)
+    w: Floats = field(metadata=over("r", "c"))
+    """Requirements that robot r can serve in cluster c."""
+    w_full: Floats = field(metadata=over("r", "c"))
+    """Those of victims that robot r can satisfy fully."""
+    budget: Ints = field(metadata=over("r"))
+    """Maximum number of clusters that robot r may take."""
 
 
 @dataclass(frozen=True, eq=False)
-class VictimData:
-    """Eq. 2: which robot takes which remaining victim.
+class VictimData(StageData):
+    """Eq. 2: which robot takes which remaining victim; the stage reads a binary ``x`` over (r, v).
 
-    A formulation answers with a binary variable ``x``, shape ``(n_robots, n_victims)``. Entries of
-    the times where ``can_serve`` is false mean nothing and are 0.
+    Entries of the times where ``can_serve`` is false mean nothing and are 0.
     """
 
-    success: Floats
-    """When robot r would be done with victim v, in time units, ``(n_robots, n_victims)``."""
-    failure: Floats
-    """Service time that others must redo, per capability of r, ``(n_robots, n_victims)``."""
-    can_serve: Bools
-    """Whether r can reach v and serve something there, ``(n_robots, n_victims)``."""
-    busy: Floats
-    """When robot r is done with what it has already, in time units, ``(n_robots,)``."""
-    budget: Ints
-    """Most victims that robot r may take, ``(n_robots,)``."""
-    endurance: Floats
-    """Most time units that robot r may be busy in all, ``inf`` for no limit, ``(n_robots,)``."""
+    stage = "victim"
+    axes = MappingProxyType({"r": Axis("robot"), "v": Axis("victim")})
+    solution = MappingProxyType({"x": ("r", "v")})
 
-    def __post_init__(self) -> None:
-        own_arrays(self)
-        same_shape("success", self.success, failure=self.failure, can_serve=self.can_serve)
-        per_robot(self.success, busy=self.busy, budget=self.budget, endurance=self.endurance)
-        require_finite(success=self.success, failure=self.failure, busy=self.busy)
+    success: Floats = field(metadata=over("r", "v"))
+    """When robot r would be done with victim v, in time units."""
+    failure: Floats = field(metadata=over("r", "v"))
+    """Service time that others must redo, per capability of r, in time units."""
+    can_serve: Bools = field(metadata=over("r", "v"))
+    """Whether r can reach v and serve something there."""
+    busy: Floats = field(metadata=over("r"))
+    """When robot r is done with what it has already, in time units."""
+    budget: Ints = field(metadata=over("r"))
+    """Maximum number of victims that robot r may take."""
+    endurance: Floats = field(metadata=over("r", infinite=True))
+    """Maximum time that robot r may be busy in all, in time units; ``inf`` for no limit."""
 
-    @property
+    @cached_property
+    def coverable(self) -> Ints:
+        """1 for each victim that some robot can serve, else 0, over (v)."""
+        return np.asarray(self.can_serve.any(axis=0), np.int64)
+
+    @cached_property
+    def extra(self) -> Floats:
+        """Time that victim v adds to what robot r has already, over (r, v); 0 if it cannot."""
+        return np.asarray(np.where(self.can_serve, self.success - self.busy[:, None], 0.0))
+
+    @cached_property
+    def time_left(self) -> Floats:
+        """Time that robot r has left for victims, over (r): a finite big-M.
+
+        The rest of its endurance, but no more than all of its victims together would add.
+        """
+        left = np.maximum(self.endurance - self.busy, 0.0)
+        return np.asarray(np.minimum(left, self.extra.sum(axis=1)))
+
+    @cached_property
     def matching_size(self) -> int:
-        """Most victims that can be assigned one to one: the largest matching of ``can_serve``."""
+        """ν: size of a maximum-cardinality matching of robots and victims by ``can_serve``."""
         from scipy.sparse import csr_array
         from scipy.sparse.csgraph import maximum_bipartite_matching
 
@@ -100,9 +114,9 @@ class VictimData:
         matched = maximum_bipartite_matching(csr_array(self.can_serve), perm_type="column")
         return int(np.count_nonzero(matched >= 0))
 
-    @property
+    @cached_property
     def budgeted_size(self) -> int:
-        """Most victims that can be assigned within the budgets: the largest flow through them."""
+        """Maximum number of victims that can be assigned within the budgets: a maximum flow."""
         from scipy.sparse import csr_array
         from scipy.sparse.csgraph import maximum_flow
 
@@ -116,51 +130,57 @@ class VictimData:
 
 
 @dataclass(frozen=True, eq=False)
-class JointAssignmentData:
+class JointAssignmentData(StageData):
     """Eqs. 1 and 2 as one: who takes which post, and who then takes which victim.
 
     A robot's post is its cluster; the holder of a victim is the robot with the post at its cluster.
-    A formulation answers with binary variables ``x``, shape ``(n_robots, n_clusters)``, the posts, and
-    ``y``, shape ``(n_robots, n_victims)``, who takes what holders leave. Posts have one more place,
-    the last, for no post; holders likewise for nobody. Entries where ``can_serve`` is false, and
-    times at a victim that cannot be reached, mean nothing and are 0.
+    The stage reads binary variables ``x`` over (r, c), the posts, and ``y`` over (r, v), who takes
+    what holders leave. Posts p are the clusters and, last, none; holders h the robots and, last,
+    nobody. Entries where ``can_serve`` is false, and times at a victim that cannot be reached, mean
+    nothing and are 0.
     """
 
-    w: Floats
-    """Requirements that robot r can serve in cluster c, ``(n_robots, n_clusters)``."""
-    w_full: Floats
-    """Those of victims that robot r can satisfy fully, ``(n_robots, n_clusters)``."""
-    cluster: Ints
-    """The cluster of victim v, ``(n_victims,)``."""
-    arrival: Floats
-    """When robot r, done with post c, would be at victim v, in time units,
-    ``(n_robots, n_clusters + 1, n_victims)``."""
-    record: Floats
-    """Service time that others must redo of r's record at post c, per capability of r,
-    ``(n_robots, n_clusters + 1)``."""
-    service: Floats
-    """Service time of robot r for what holder h leaves of victim v, in time units,
-    ``(n_robots, n_robots + 1, n_victims)``."""
-    redo: Floats
-    """Service time that others must redo, where r does what it can of what holder h leaves of v, per
-    capability of r, ``(n_robots, n_robots + 1, n_victims)``."""
-    can_serve: Bools
-    """Whether r can reach v and serve something that holder h leaves there,
-    ``(n_robots, n_robots + 1, n_victims)``."""
+    stage = "joint"
+    axes = MappingProxyType(
+        {
+            "r": Axis("robot"),
+            "c": Axis("cluster"),
+            "p": Axis("post", of="c", last="none"),
+            "h": Axis("holder", of="r", last="nobody"),
+            "v": Axis("victim"),
+        }
+    )
+    solution = MappingProxyType({"x": ("r", "c"), "y": ("r", "v")})
 
-    def __post_init__(self) -> None:
-        own_arrays(self)
-        same_shape("w", self.w, w_full=self.w_full)
-        (n_robots, n_clusters), n_victims = self.w.shape, len(self.cluster)
-        at_post, at_holder = (n_robots, n_clusters + 1), (n_robots, n_robots + 1)
-        for name, shape in {
-            "arrival": (*at_post, n_victims),
-            "record": at_post,
-            "service": (*at_holder, n_victims),
-            "redo": (*at_holder, n_victims),
-            "can_serve": (*at_holder, n_victims),
-        }.items():
-            if getattr(self, name).shape != shape:
-                raise ValueError(f"{name} has shape {getattr(self, name).shape}; give {shape}")
-        require_finite(w=self.w, w_full=self.w_full, arrival=self.arrival, record=self.record)
-        require_finite(service=self.service, redo=self.redo)
+    w: Floats = field(metadata=over("r", "c"))
+    """Requirements that robot r can serve in cluster c."""
+    w_full: Floats = field(metadata=over("r", "c"))
+    """Those of victims that robot r can satisfy fully."""
+    cluster: Ints = field(metadata=over("v"))
+    """The cluster of victim v, as its position along c."""
+    arrival: Floats = field(metadata=over("r", "p", "v"))
+    """When robot r, done with post p, would be at victim v, in time units."""
+    record: Floats = field(metadata=over("r", "p"))
+    """Service time that others must redo of r's record at post p, per capability of r."""
+    service: Floats = field(metadata=over("r", "h", "v"))
+    """Service time of robot r for what holder h leaves of victim v, in time units."""
+    redo: Floats = field(metadata=over("r", "h", "v"))
+    """Service time that others must redo, where r does what it can of what holder h leaves of v, per
+    capability of r."""
+    can_serve: Bools = field(metadata=over("r", "h", "v"))
+    """Whether r can reach v and serve something that holder h leaves there."""
+
+    @cached_property
+    def leaves(self) -> Ints:
+        """1 if holder h leaves something of victim v that some robot can serve, over (h, v)."""
+        return np.asarray(self.can_serve.any(axis=0), np.int64)
+
+    @cached_property
+    def own_post(self) -> Bools:
+        """Whether post p is that at the cluster of victim v, over (p, v)."""
+        return np.asarray(np.arange(self.record.shape[1])[:, None] == self.cluster)
+
+    @cached_property
+    def own_holder(self) -> Bools:
+        """Whether holder h is robot r itself, over (r, h)."""
+        return np.eye(*self.can_serve.shape[:2], dtype=np.bool_)

@@ -23,9 +23,9 @@ from typing import Any, Literal
 import numpy as np
 
 from ..arrays import Bools, Ints
+from .compile import compile_for
 from .program import Program
 from .registry import Formulation
-from .solve import compile_for
 from .solvers import Options, highs
 
 NODES = 1_000

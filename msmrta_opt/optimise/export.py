@@ -13,6 +13,7 @@ from typing import Any
 
 from ..mission.errors import InputError
 from ..mission.files import read_text, write_text
+from .compile import compile_for
 from .formats.lp import as_lp
 from .formats.mps import as_mps
 from .formats.read_lp import read_lp
@@ -20,7 +21,6 @@ from .formats.read_mps import read_mps
 from .formats.written import as_modelled, written
 from .program import Program
 from .registry import Formulation
-from .solve import compile_for
 
 FORMATS = {".mps": (as_mps, read_mps), ".lp": (as_lp, read_lp)}
 """By suffix, what writes and what reads a file."""

@@ -15,6 +15,9 @@ from ..arrays import Bools, Floats
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
+    from .axes import Id, Ids
+
+BRACES = re.compile(r"\{([^{}]*)\}")
 Sense = Literal["min", "max"]
 
 
@@ -23,8 +26,15 @@ class Block:
     """A named array of consecutive columns or rows, in column-major (Fortran) order."""
 
     name: str
+    """A variable's name, or a constraint's label with its axes in braces."""
     start: int
     shape: tuple[int, ...]
+    letters: tuple[str, ...] = ()
+    """The axis of each dimension, empty where none is known."""
+    nouns: tuple[str, ...] = ()
+    """What stands along each dimension in a word, for instance ``victim``."""
+    ids: tuple[Ids, ...] = ()
+    """The ids along each dimension; positions where none are given."""
 
     @property
     def size(self) -> int:
@@ -36,17 +46,30 @@ class Block:
         """One past the last column or row."""
         return self.start + self.size
 
-    def index(self, position: int) -> tuple[int, ...]:
-        """The array index of a column or row of this block."""
-        return tuple(int(i) for i in np.unravel_index(position - self.start, self.shape, order="F"))
+    def index(self, position: int) -> tuple[Id, ...]:
+        """The ids of a column or row of this block, by its position in the program."""
+        places = np.unravel_index(position - self.start, self.shape, order="F")
+        if self.ids:
+            return tuple(ids[i] for ids, i in zip(self.ids, places, strict=True))
+        return tuple(int(i) for i in places)
 
     def element(self, position: int) -> str:
-        """Its readable name: ``x[0,2]``, or a label with its ``{axes}`` filled in."""
-        index = self.index(position)
-        if "{" in self.name:
-            numbers = iter(index)
-            return re.sub(r"\{(\w*)\}", lambda _: str(next(numbers, "?")), self.name)
-        return f"{self.name}[{','.join(map(str, index))}]" if index else self.name
+        """Its readable name: ``x[7,104]``, or the label with its braces filled.
+
+        Braces take the ids of the axes that they name; in a block whose axes are not known, the
+        dimensions in their order. What no brace names follows behind.
+        """
+        index = list(self.index(position))
+        letters = self.letters or tuple(dict.fromkeys(BRACES.findall(self.name)))
+        known = {x: i for x, i in zip(letters, index, strict=False) if x}
+        braces = set(BRACES.findall(self.name))
+        name = BRACES.sub(lambda brace: str(known.get(brace[1], brace[0])), self.name)
+        rest = [
+            str(i)
+            for d, (i, n) in enumerate(zip(index, self.shape, strict=True))
+            if not (d < len(letters) and letters[d] in braces) and (n > 1 or not braces)
+        ]
+        return f"{name}[{','.join(rest)}]" if rest else name
 
 
 def element_name(blocks: tuple[Block, ...], position: int) -> str:

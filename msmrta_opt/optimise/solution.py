@@ -1,15 +1,18 @@
-"""One type of answer for all solvers."""
+"""One type of solution for all solvers."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mission.errors import CheckError
-from .program import Sense
+from ..mission.errors import CheckError, InputError
+from .program import Block, Sense
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Status = Literal[
     "optimal",  # proven
@@ -54,6 +57,8 @@ class Solution:
     n_rows: int = 0
     duals: dict[str, NDArray[np.float64]] = field(default_factory=dict, repr=False)
     """Dual values by constraint label, where the proof is LP duality."""
+    blocks: tuple[Block, ...] = field(default=(), repr=False)
+    """The variables, then the constraints, with the ids along their dimensions."""
 
     @property
     def gap(self) -> float | None:
@@ -67,6 +72,51 @@ class Solution:
     def found(self) -> bool:
         """Whether there is an incumbent that passed its check."""
         return self.objective is not None and self.check == "passed"
+
+    def nonzero(self) -> list[tuple[str, float]]:
+        """The variables that are not zero, by names such as ``x[7,104]``, in ids."""
+        return [
+            (block.element(block.start + int(place)), float(flat[place]))
+            for block in self.blocks
+            if block.name in self.values
+            for flat in [self.values[block.name].ravel(order="F")]
+            for place in np.flatnonzero(np.abs(flat) > 1e-9)
+        ]
+
+    def to_frame(self, name: str) -> pd.DataFrame:
+        """A variable, or the rows of a constraint, as a table with a column for each axis, in ids.
+
+        Parameters
+        ----------
+        name : str
+            A variable's name, or a constraint's label.
+
+        Returns
+        -------
+        DataFrame
+            With a last column ``value``, or ``dual``.
+
+        Raises
+        ------
+        InputError
+            If the solution has nothing of that name.
+        """
+        import pandas as pd
+
+        found = {"value": self.values, "dual": self.duals}
+        for block in self.blocks:
+            for what, arrays in found.items():
+                if block.name == name and name in arrays:
+                    nouns = block.nouns or tuple(f"axis {d}" for d in range(len(block.shape)))
+                    places = np.indices(block.shape).reshape(len(block.shape), -1)
+                    ids = block.ids or tuple(tuple(range(n)) for n in block.shape)
+                    columns: dict[str, object] = {
+                        noun: [along[i] for i in at.tolist()]
+                        for noun, along, at in zip(nouns, ids, places, strict=True)
+                    }
+                    return pd.DataFrame({**columns, what: arrays[name].ravel()})
+        known = ", ".join(repr(key) for arrays in found.values() for key in arrays) or "nothing"
+        raise InputError(f"no values of {name!r}; there are those of {known}", field="name")
 
     def require(self) -> Solution:
         """The solution itself, if it holds a checked incumbent.

@@ -12,16 +12,14 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ..arrays import Bools, Floats
 from ..mission.errors import InputError
-from . import registry
 from .assignment import solve_assignment
 from .check import TOLERANCE, dual_bound, settled, violations
-from .compile import Compiled, compile_formulation, parameter_values
+from .compile import compile_for, parameter_values
 from .program import Program
 from .registry import Formulation
 from .solution import Solution
@@ -31,28 +29,6 @@ from .structure import Structure, integral_relaxation, recognise
 AUTO = "auto"
 TIGHT = 1e-9
 """Relative difference up to which a dual bound equals the objective."""
-
-_compiled: WeakKeyDictionary[object, dict[Callable[[Any], Any], Compiled]] = WeakKeyDictionary()
-
-
-def compile_for(formulation: str | Formulation, data: Any) -> Compiled:
-    """`formulation` on `data`, canonicalised when first asked for and kept as long as `data`.
-
-    Raises
-    ------
-    InputError, ModelError
-        As `registry.get` and `compile_formulation`.
-    """
-    if isinstance(formulation, str):
-        formulation = registry.get(formulation)
-    try:
-        kept = _compiled.setdefault(data, {})
-    except TypeError:  # data of a kind that cannot be kept by reference
-        return compile_formulation(formulation, data)
-    # An edited and reloaded file has a new function, so it is compiled anew.
-    if formulation.build not in kept:
-        kept[formulation.build] = compile_formulation(formulation, data)
-    return kept[formulation.build]
 
 
 def solve(
@@ -166,6 +142,7 @@ def solve_program(
         nodes=outcome.nodes,
         n_variables=program.n_columns,
         n_rows=program.n_rows,
+        blocks=(*program.columns, *program.rows),
     )
     if outcome.duals is not None:
         solution = _with_duals(solution, program, outcome.duals)

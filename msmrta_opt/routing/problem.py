@@ -8,12 +8,14 @@ unless robots return. Walking is symmetric: between two victims a robot takes th
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 
-from ..arrays import Bools, Floats, Ints, own_arrays, require_finite
+from ..arrays import Bools, Floats, Ints
+from ..optimise.axes import Axis, StageData, over
 
 Visit = tuple[int, tuple[int, ...]]
 """A victim, and the kinds served there."""
@@ -22,47 +24,44 @@ Routes = tuple[tuple[Visit, ...], ...]
 
 
 @dataclass(frozen=True, eq=False)
-class RoutingData:
+class RoutingData(StageData):
     """The joint problem, by positions; all times in time units.
 
-    Requirements that no robot can serve are left out before. Travel times of pairs that a robot
-    cannot walk mean nothing and are 0; `able` says which victims it can reach at all, and those
-    that it can reach it can walk between.
+    The stage reads binary variables ``x`` over (r, i, j), robot r goes from place i to victim j;
+    ``y`` over (r, v), it visits victim v; and ``a`` over (r, v, k), it serves kind k there. Places i
+    are the victims and, last, the robot's start. Requirements that no robot can serve are left out
+    before. Travel times of pairs that a robot cannot walk mean nothing and are 0; `able` says which
+    victims it can reach at all, and those that it can reach it can walk between.
     """
 
-    leave: Floats
-    """Travel of robot r from its start to victim v, ``(n_robots, n_victims)``."""
-    between: Floats
-    """Travel of robot r between victims, symmetric, ``(n_robots, n_victims, n_victims)``."""
-    back: Floats
-    """Travel of r from v back to its start; zero for open routes, ``(n_robots, n_victims)``."""
-    service: Floats
-    """Service time of kind k at victim v, ``(n_victims, n_kinds)``."""
-    able: Bools
-    """Whether r can serve kind k at v: needed, capable, and reachable,
-    ``(n_robots, n_victims, n_kinds)``."""
-    priority: Floats
-    """Weight of victim v's completion time, ``(n_victims,)``."""
-    endurance: Floats
-    """Longest time that r may be busy, ``inf`` for no limit, ``(n_robots,)``."""
-    longest_walk: Floats
-    """Longest travel time of r, ``inf`` for no limit, ``(n_robots,)``."""
+    stage = "routing"
+    axes = MappingProxyType(
+        {
+            "r": Axis("robot"),
+            "i": Axis("place", of="v", last="start"),
+            "v": Axis("victim"),
+            "j": Axis("next victim", of="v"),
+            "k": Axis("kind"),
+        }
+    )
+    solution = MappingProxyType({"x": ("r", "i", "j"), "y": ("r", "v"), "a": ("r", "v", "k")})
 
-    def __post_init__(self) -> None:
-        own_arrays(self)
-        n, m, kinds = self.able.shape
-        for name, shape in {
-            "leave": (n, m),
-            "between": (n, m, m),
-            "back": (n, m),
-            "service": (m, kinds),
-            "priority": (m,),
-            "endurance": (n,),
-            "longest_walk": (n,),
-        }.items():
-            if getattr(self, name).shape != shape:
-                raise ValueError(f"{name} has shape {getattr(self, name).shape}; give {shape}")
-        require_finite(leave=self.leave, between=self.between, back=self.back, service=self.service)
+    leave: Floats = field(metadata=over("r", "v"))
+    """Travel of robot r from its start to victim v."""
+    between: Floats = field(metadata=over("r", "v", "j"))
+    """Travel of robot r between victims, symmetric."""
+    back: Floats = field(metadata=over("r", "v"))
+    """Travel of r from v back to its start; zero for open routes."""
+    service: Floats = field(metadata=over("v", "k"))
+    """Service time of kind k at victim v."""
+    able: Bools = field(metadata=over("r", "v", "k"))
+    """Whether r can serve kind k at v: needed, capable, and reachable."""
+    priority: Floats = field(metadata=over("v"))
+    """Weight of victim v's completion time."""
+    endurance: Floats = field(metadata=over("r", infinite=True))
+    """Longest time that r may be busy, ``inf`` for no limit."""
+    longest_walk: Floats = field(metadata=over("r", infinite=True))
+    """Longest travel time of r, ``inf`` for no limit."""
 
     @property
     def n_robots(self) -> int:
@@ -88,6 +87,46 @@ class RoutingData:
     def can_visit(self) -> Bools:
         """Whether r can serve something at v, ``(n_robots, n_victims)``."""
         return np.asarray(self.able.any(axis=2))
+
+    @cached_property
+    def travel(self) -> Floats:
+        """Travel of r from place i to victim j, over (r, i, j)."""
+        return np.concatenate([self.between, self.leave[:, None, :]], axis=1)
+
+    @cached_property
+    def can_go(self) -> Bools:
+        """Whether r can serve something at j ≠ i, and at i if that is a victim, over (r, i, j)."""
+        here = np.pad(self.can_visit, ((0, 0), (0, 1)), constant_values=True)
+        elsewhere = ~np.eye(self.n_victims + 1, self.n_victims, dtype=bool)
+        return np.asarray(here[:, :, None] & self.can_visit[:, None, :] & elsewhere)
+
+    @cached_property
+    def onward(self) -> Ints:
+        """Number of victims that r can go to from place i, over (r, i)."""
+        return np.asarray(self.can_go.sum(axis=2))
+
+    @cached_property
+    def maximum_visits(self) -> Ints:
+        """Number of victims that r can visit, at least 1, over (r)."""
+        return np.asarray(np.maximum(self.can_visit.sum(axis=1), 1))
+
+    @cached_property
+    def maximum_travel(self) -> Floats:
+        """Travel time that no route of r exceeds, over (r): a finite big-M.
+
+        The longest walk, but no more than the longest way to each victim and the longest way back.
+        """
+        longest = (self.travel * self.can_go).max(axis=1).sum(axis=1) + self.back.max(axis=1)
+        return np.asarray(np.minimum(self.longest_walk, longest))
+
+    @cached_property
+    def maximum_busy(self) -> Floats:
+        """Time that no route of r exceeds, over (r): a finite big-M.
+
+        Its endurance, but no more than its maximum travel and the service of all that it can serve.
+        """
+        service = (self.service * self.able).sum(axis=(1, 2))
+        return np.asarray(np.minimum(self.endurance, self.maximum_travel + service))
 
     @cached_property
     def nearest(self) -> dict[int, Ints]:

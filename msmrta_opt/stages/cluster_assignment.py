@@ -59,8 +59,9 @@ def cluster_data(
     met = situation.able.sum(axis=2)
     full = np.where(analysis.full, met, 0) @ member
     counted = met if options.weights == "text" else np.where(analysis.partial, met, 0)
-    n_robots = situation.instance.n_robots
-    return ClusterData(counted @ member, full, np.full(n_robots, options.budget, dtype=np.int64))
+    robots = [robot.id for robot in situation.instance.robots]
+    budget = np.full(len(robots), options.budget, dtype=np.int64)
+    return ClusterData(counted @ member, full, budget, ids={"r": robots})
 
 
 def cluster_assignment(

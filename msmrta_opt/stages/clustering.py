@@ -114,6 +114,7 @@ def clustering_data(situation: Situation) -> ClusteringData:
         can_reach=can_reach,
         weight=np.array([victims_on[cell] for cell in cells], dtype=float),
         n_clusters=max(min(instance.n_robots, len(cells)), n_parts),
+        ids={"i": [str(cell) for cell in cells]},
     )
 
 

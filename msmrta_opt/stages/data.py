@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -12,6 +13,9 @@ from numpy.typing import NDArray
 
 from ..mission.errors import InputError
 from ..mission.instance import Instance
+from ..optimise.axes import StageData
+from ..optimise.data import ClusterData, ClusteringData, JointAssignmentData, VictimData
+from ..routing.problem import RoutingData
 from .cluster_assignment import ClusterAssignment, cluster_assignment, cluster_data
 from .clustering import Clustering, clustering, clustering_data
 from .joint_assignment import joint_assignment_data
@@ -54,7 +58,7 @@ def stage_data(instance: Instance, stage: str, options: StagedOptions | None = N
         raise InputError(
             f"instance {instance.name!r} has no known victims; give at least one", field="victims"
         )
-    return STAGES[stage](so_far)
+    return STAGES[stage].build(so_far)
 
 
 class SoFar:
@@ -92,13 +96,41 @@ class SoFar:
         return without(self.situation.available, self.b2.stops)
 
 
-STAGES: Mapping[str, Callable[[SoFar], Any]] = MappingProxyType(
+@dataclass(frozen=True)
+class Stage:
+    """A decision that formulations are written for.
+
+    Parameters
+    ----------
+    data : type of StageData
+        What they take: it declares the stage's name, its axes, and the variables that it reads.
+    build : callable
+        How that follows from the lines of Algorithm 1 before it.
+    """
+
+    data: type[StageData]
+    build: Callable[[SoFar], StageData]
+
+
+STAGES: Mapping[str, Stage] = MappingProxyType(
     {
-        "clustering": lambda m: clustering_data(m.situation),
-        "cluster": lambda m: cluster_data(m.situation, m.analysis, m.clusters, m.options),
-        "victim": lambda m: performance_analysis(m.situation, m.b2.stops, m.remaining, m.options),
-        "joint": lambda m: joint_assignment_data(m.situation, m.analysis, m.clusters, m.options),
-        "routing": lambda m: routing_data(m.situation, **limits_of(m.options)),
+        stage.data.stage: stage
+        for stage in (
+            Stage(ClusteringData, lambda m: clustering_data(m.situation)),
+            Stage(
+                ClusterData,
+                lambda m: cluster_data(m.situation, m.analysis, m.clusters, m.options),
+            ),
+            Stage(
+                VictimData,
+                lambda m: performance_analysis(m.situation, m.b2.stops, m.remaining, m.options),
+            ),
+            Stage(
+                JointAssignmentData,
+                lambda m: joint_assignment_data(m.situation, m.analysis, m.clusters, m.options),
+            ),
+            Stage(RoutingData, lambda m: routing_data(m.situation, **limits_of(m.options))),
+        )
     }
 )
-"""By stage, how its data follows from the lines of Algorithm 1 before it."""
+"""The stages by name. A new one is a data class, a line here, and a formulation."""

@@ -73,6 +73,7 @@ def joint_assignment_data(
         service=np.where(can_serve, service, 0.0),
         redo=np.where(can_serve, redo, 0.0),
         can_serve=can_serve,
+        ids={"r": eq_1.ids["r"], "v": [victim.id for victim in instance.victims]},
     )
 
 

@@ -55,6 +55,11 @@ def routing_data(
         priority=instance.priority,
         endurance=np.full(instance.n_robots, np.inf if endurance is None else float(endurance)),
         longest_walk=np.broadcast_to(maximum_walk, speed.shape).astype(float),
+        ids={
+            "r": [robot.id for robot in instance.robots],
+            "v": [victim.id for victim in instance.victims],
+            "k": instance.capabilities,
+        },
     )
     in_time, in_walk = _alone(data)
     return replace(data, able=situation.able & in_time & in_walk[:, :, None])

@@ -68,6 +68,10 @@ def performance_analysis(
         busy=busy,
         budget=np.full(instance.n_robots, options.budget, dtype=np.int64),
         endurance=np.full(instance.n_robots, endurance),
+        ids={
+            "r": [robot.id for robot in instance.robots],
+            "v": [victim.id for victim in instance.victims],
+        },
     )
 
 

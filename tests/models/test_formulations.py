@@ -14,10 +14,12 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from support.brute import ORACLES
 from support.joint_cases import on_a_line
+from support.oracles import assert_agrees
 
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.optimise import compile as compile_module
-from msmrta_opt.optimise.canonical import Canonical, canonicalise
+from msmrta_opt.optimise.compile import compiled as compile_module
+from msmrta_opt.optimise.compile.canonical import Canonical
+from msmrta_opt.optimise.compile.compiled import canonicalise
 from msmrta_opt.optimise.data import ClusterData, VictimData
 from msmrta_opt.optimise.formulation import Spec
 from msmrta_opt.optimise.registry import get, listings
@@ -78,22 +80,6 @@ NOBODY = VictimData(
 )
 
 
-def assert_agrees(name: str, data: Any, share: float) -> None:
-    """Both ways of solving find, and prove, what the best of all tables is worth."""
-    judged = ORACLES[name](data, share)
-    for structure in (True, False):
-        if isinstance(data, ClusterData):
-            solution = solve(name, data, structure=structure, psi=share)
-        else:
-            solution = solve(name, data, structure=structure, beta=share)
-        assert solution.status == "optimal"
-        assert solution.check == "passed"
-        assert solution.objective == pytest.approx(judged.best, abs=1e-6)
-        assert solution.bound == pytest.approx(solution.objective, abs=1e-6)
-        worth = judged.worth_of(solution.values["x"])
-        assert worth == pytest.approx(judged.best, abs=1e-6)
-
-
 CLUSTER_NAMES = [name for name in ORACLES if name.startswith("cluster")]
 VICTIM_NAMES = [name for name in ORACLES if name.startswith("victim")]
 
@@ -104,7 +90,7 @@ VICTIM_NAMES = [name for name in ORACLES if name.startswith("victim")]
 def test_eq_1_is_worth_what_the_best_of_all_tables_is_worth(
     name: str, data: ClusterData, psi: float
 ) -> None:
-    assert_agrees(name, data, psi)
+    assert_agrees(name, data, psi=psi)
 
 
 @pytest.mark.parametrize("name", VICTIM_NAMES)
@@ -114,7 +100,7 @@ def test_eq_1_is_worth_what_the_best_of_all_tables_is_worth(
 def test_eq_2_costs_what_the_cheapest_of_all_tables_costs(
     name: str, data: VictimData, beta: float
 ) -> None:
-    assert_agrees(name, data, beta)
+    assert_agrees(name, data, beta=beta)
 
 
 @given(data=victim_cases(), beta=shares)

@@ -15,8 +15,11 @@ from scipy.sparse import csr_array
 from support.joint_cases import small_mission
 from support.small_cases import dense_case, shares
 
-from msmrta_opt.optimise.canonical import Canonical, canonicalise, read_off, reduced
 from msmrta_opt.optimise.compile import compile_formulation
+from msmrta_opt.optimise.compile.affine import read_off
+from msmrta_opt.optimise.compile.canonical import Canonical
+from msmrta_opt.optimise.compile.compiled import canonicalise
+from msmrta_opt.optimise.compile.reductions import reduced
 from msmrta_opt.optimise.registry import get, listings
 
 SHIPPED = [item.name for item in listings() if item.formulation is not None]
@@ -223,7 +226,7 @@ def test_a_cvxpy_without_what_the_short_road_needs_takes_the_long_one(
 ) -> None:
     stated = built("victim_one_to_one")
     expected = canonicalise("it", stated)
-    monkeypatch.setitem(sys.modules, "msmrta_opt.optimise.coefficients", None)
+    monkeypatch.setitem(sys.modules, "msmrta_opt.optimise.compile.coefficients", None)
     assert read_off(stated) is None
     assert_same(canonicalise("it", stated), expected, stated.parameters())
 
@@ -234,7 +237,7 @@ def test_a_cvxpy_that_is_asked_for_coefficients_in_another_way_takes_the_long_ro
     z = cp.Variable((2, 2), name="z", bounds=[0, 1])
     stated = cp.Problem(cp.Maximize(cp.sum(cp.hstack([z[0, 0], z[1, 1]]))))
     assert read_off(stated) is not None
-    monkeypatch.setattr("msmrta_opt.optimise.coefficients.CoeffExtractor", lambda: None)
+    monkeypatch.setattr("msmrta_opt.optimise.compile.coefficients.CoeffExtractor", lambda: None)
     assert read_off(stated) is None
     assert canonicalise("it", stated).numbers().cost.tolist() == [1, 0, 0, 1]
 

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from support.programs import assert_solved_right, formulation, problem
 
 from msmrta_opt.mission.errors import InputError, ModelError
-from msmrta_opt.optimise.canonical import AUXILIARY
 from msmrta_opt.optimise.check import violations
 from msmrta_opt.optimise.compile import compile_formulation
+from msmrta_opt.optimise.compile.canonical import AUXILIARY
 from msmrta_opt.optimise.formulation import Parameter
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.registry import Formulation

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from msmrta_opt.mission.errors import InputError
+from msmrta_opt.optimise.compile.compiled import program, structure
 from msmrta_opt.optimise.data import ClusterData
-from msmrta_opt.optimise.matrix import program, structure
 
 TWO_BY_THREE = ClusterData(
     np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), np.zeros((2, 3)), np.ones(2, dtype=np.int64)

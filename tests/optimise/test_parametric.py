@@ -13,10 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msmrta_opt.mission.errors import ModelError
+from msmrta_opt.optimise.compile import compile_for
 from msmrta_opt.optimise.data import ClusterData, VictimData
 from msmrta_opt.optimise.frontier import frontier, optima
 from msmrta_opt.optimise.parametric import Envelope, Family, envelope
-from msmrta_opt.optimise.solve import compile_for, solve
+from msmrta_opt.optimise.solve import solve
 
 Pair = tuple[Fraction, Fraction]
 

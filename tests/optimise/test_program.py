@@ -31,10 +31,6 @@ def test_a_label_without_places_gets_the_index_behind_it() -> None:
     assert Block("limit", 3, (4,)).element(5) == "limit[2]"
 
 
-def test_a_label_with_more_places_than_axes_says_so() -> None:
-    assert Block("robot {r} in {c}", 0, (2,)).element(1) == "robot 1 in ?"
-
-
 def test_a_position_outside_all_blocks_is_an_error() -> None:
     with pytest.raises(IndexError):
         two_blocks().column_name(7)

@@ -15,7 +15,7 @@ from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.optimise.check import violations
-from msmrta_opt.optimise.solve import compile_for
+from msmrta_opt.optimise.compile import compile_for
 from msmrta_opt.planners.support.explicit_model import problem_of, solve_explicitly
 from msmrta_opt.planners.support.mip_start import mip_start
 from msmrta_opt.routing.objectives import OBJECTIVES

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from msmrta_opt import formulations
 from msmrta_opt.mission.errors import CheckError, InputError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise.data import ClusterData, ClusteringData, JointAssignmentData, VictimData
-from msmrta_opt.optimise.formulation import Stage
+from msmrta_opt.optimise.registry import models
 from msmrta_opt.optimise.solve import solve
 from msmrta_opt.planners import plan
 from msmrta_opt.stages.data import STAGES, stage_data
@@ -43,8 +43,39 @@ def corridor() -> Instance:
     return Instance.from_document({"format": "msmrta-instance/1", **document})
 
 
-def test_every_stage_that_a_formulation_can_have_has_data() -> None:
-    assert set(STAGES) == set(get_args(Stage))
+def test_the_data_of_a_stage_are_of_the_class_that_declares_it(paper: Instance) -> None:
+    for name, stage in STAGES.items():
+        data = stage_data(paper, name)
+        assert type(data) is stage.data
+        assert data.stage == name
+        assert stage.data.solution
+
+
+def test_every_shipped_formulation_is_for_a_stage_that_there_is() -> None:
+    assert {item.formulation.spec.stage for item in models() if item.formulation} == set(STAGES)
+
+
+def test_data_speak_of_robots_victims_and_kinds_by_their_ids(corridor: Instance) -> None:
+    renumbered = corridor.replace(
+        robots=[robot.model_copy(update={"id": 7 + robot.id}) for robot in corridor.robots],
+        victims=[victim.model_copy(update={"id": 104 - victim.id}) for victim in corridor.victims],
+        clusters=(0, 0),
+    )
+    for stage in ("cluster", "victim", "joint", "routing"):
+        data = stage_data(renumbered, stage)
+        assert data.along("r") == (7, 8)
+        if "v" in data.axes:
+            assert data.along("v") == (104, 103)
+    assert stage_data(renumbered, "routing").along("k") == ("Saw", "Aid", "Air")
+    assert stage_data(renumbered, "clustering").along("i") == ("(0, 1)", "(0, 3)")
+
+
+def test_endurance_limits_the_joint_problem_too(corridor: Instance) -> None:
+    """Robot 0 needs 2 to victim 0 and 7 for Saw there; with 8 it cannot serve it at all."""
+    data = stage_data(corridor, "routing", StagedOptions(endurance=8))
+    assert data.endurance.tolist() == [8, 8]
+    assert not data.required[0, 0]
+    assert stage_data(corridor, "routing").required[0, 0]
 
 
 def test_clustering_data_are_the_walks_between_victims(corridor: Instance) -> None:

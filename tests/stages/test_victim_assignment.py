@@ -284,7 +284,7 @@ def edit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Edit]:
 def test_where_a_formulation_sends_several_robots_the_first_serves_what_both_could(
     edit: Edit,
 ) -> None:
-    model = edit(COVERING, "== coverable)", "== data.can_serve.sum(axis=0))")
+    model = edit(COVERING, "== data.coverable)", "== data.can_serve.sum(axis=0))")
     robots: list[tuple[Cell, str]] = [((0, 0), "AB"), ((0, 5), "BC"), ((0, 9), "B")]
     b3, _ = b3_of(mission(CORRIDOR, robots, [((0, 7), "ABC")]), victim_model=model)
     # Robot 2 finds nothing left to do, so it does not go.

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import pytest
 from support import brute, exhaustive
 from support.joint_cases import on_a_line, small_mission
 from support.joint_oracle import least
@@ -15,6 +16,7 @@ from support.small_cases import dense_case
 from msmrta_opt.optimise.data import ClusterData, ClusteringData, VictimData
 from msmrta_opt.optimise.registry import get
 from msmrta_opt.optimise.solution import Solution
+from msmrta_opt.optimise.solve import solve
 from msmrta_opt.routing.objectives import value
 from msmrta_opt.routing.problem import Routes, RoutingData, faults
 
@@ -46,6 +48,32 @@ class Question:
     worth: Callable[[Solution], float | None]
 
 
+def assert_solves(question: Question, solution: Solution) -> None:
+    """It finds, and proves, the best of all solutions, or that there is none."""
+    if question.best is None:
+        assert solution.status == "infeasible"
+        assert not solution.found
+        return
+    assert solution.status == "optimal", solution.message
+    assert solution.check == "passed"
+    assert solution.objective == pytest.approx(question.best, abs=1e-5)
+    assert solution.bound == pytest.approx(question.best, abs=1e-5)
+    assert question.worth(solution) == pytest.approx(question.best, abs=1e-5)
+
+
+def assert_agrees(name: str, data: Any, **parameters: float) -> None:
+    """Both ways of solving the formulation `name` find, and prove, what its oracle finds."""
+    question = question_of(name, data, parameters)
+    for structure in (True, False):
+        assert_solves(question, solve(name, data, structure=structure, **parameters))
+
+
+def question_of(name: str, data: Any, parameters: dict[str, float]) -> Question:
+    """The formulation `name` on data of tables, with what its oracle finds."""
+    ask = _by_tables if name in brute.ORACLES else _by_answers
+    return ask(name, data, parameters)
+
+
 def questions(name: str) -> Iterator[Question]:
     """Questions to the formulation `name`, some of them without an answer where that can be."""
     spec = get(name).spec
@@ -60,8 +88,7 @@ def questions(name: str) -> Iterator[Question]:
             parameter: shares[(number + place) % 3]
             for place, parameter in enumerate(spec.parameters)
         }
-        ask = _by_tables if name in brute.ORACLES else _by_answers
-        yield ask(name, data, parameters)
+        yield question_of(name, data, parameters)
 
 
 def _by_tables(name: str, data: Any, parameters: dict[str, float]) -> Question:

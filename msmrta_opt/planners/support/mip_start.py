@@ -7,8 +7,8 @@ import numpy as np
 from ...arrays import Floats
 from ...mission.errors import InputError
 from ...mission.plan import Plan, Route
+from ...optimise.compile import compile_for
 from ...optimise.registry import Formulation
-from ...optimise.solve import compile_for
 from ...routing.problem import Routes, RoutingData, faults, times
 from .improvement import routes_of
 

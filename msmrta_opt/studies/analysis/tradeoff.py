@@ -20,9 +20,10 @@ from ...mission.instance import Instance
 from ...mission.metrics import Metrics
 from ...mission.plan import Plan
 from ...optimise import registry
+from ...optimise.compile import compile_for
 from ...optimise.frontier import Frontier, frontier, optima
 from ...optimise.parametric import Envelope, Family, Line, Piece, envelope
-from ...optimise.solve import compile_for, solve
+from ...optimise.solve import solve
 from ...planners import plan as make_plan
 from ...stages.data import stage_data
 from ...stages.options import StagedOptions

@@ -1,21 +1,28 @@
-"""From a formulation and data to arrays, for any values of the formulation's parameters.
-
-Building and canonicalising are done once; a new value of a parameter then costs a sparse product.
-"""
+"""A formulation on data as arrays, for any values of its parameters, built and read once."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
+from weakref import WeakKeyDictionary
 
 import cvxpy as cp
 import numpy as np
 
-from ..mission.errors import InputError, ModelError
-from .canonical import Canonical, canonicalise
-from .program import Program
-from .registry import Formulation
-from .structure import Structure, recognise
+from ...mission.errors import InputError, ModelError
+from .. import registry
+from ..axes import StageData
+from ..program import Block, Program
+from ..registry import Formulation
+from ..structure import Structure, recognise
+from .affine import read_off
+from .canonical import Canonical
+from .labels import named
+from .reductions import reduced
+
+_compiled: WeakKeyDictionary[object, dict[Callable[[Any], Any], Compiled]] = WeakKeyDictionary()
 
 
 @dataclass
@@ -28,6 +35,8 @@ class Compiled:
     """Wall time of building and canonicalising."""
     _canonical: Canonical
     _parameters: dict[str, cp.Parameter]
+    _columns: tuple[Block, ...]
+    _rows: tuple[Block, ...]
     _last: Program | None = None
     _structure: Structure | None = None
     _asked: bool = False
@@ -69,8 +78,8 @@ class Compiled:
             lower=lower,
             upper=upper,
             integer=canonical.integer,
-            columns=canonical.columns,
-            rows=canonical.rows,
+            columns=self._columns,
+            rows=self._rows,
         )
         if self._last is not None and program.differs_in_cost_alone(self._last):
             return replace(self._last, cost=program.cost, offset=program.offset)
@@ -110,6 +119,10 @@ def compile_formulation(formulation: Formulation, data: object) -> Compiled:
     """
     began = time.perf_counter()
     name = formulation.name
+    if isinstance(data, StageData) and data.stage != formulation.spec.stage:
+        raise ModelError(
+            f"{name}: it is for data of stage {formulation.spec.stage!r}, not {type(data).__name__}"
+        )
     try:
         problem = formulation.build(data)
     except Exception as error:
@@ -123,15 +136,81 @@ def compile_formulation(formulation: Formulation, data: object) -> Compiled:
     _set_defaults(formulation, problem)
     if not problem.variables():
         raise ModelError(f"{name}: the program has no variables")
+    canonical = canonicalise(name, problem)
+    columns, rows = named(name, canonical.columns, canonical.rows, canonical.numbers().matrix, data)
+    seconds = time.perf_counter() - began
+    return Compiled(formulation, problem, seconds, canonical, problem.param_dict, columns, rows)
+
+
+def canonicalise(name: str, problem: cp.Problem) -> Canonical:
+    """`problem`, of the formulation `name`, in arrays. Its parameters are scalars and have values.
+
+    Raises
+    ------
+    ModelError
+        If it is not a linear (integer) program, whatever the values of its parameters.
+    """
+    found = read_off(problem)
+    if found is not None:
+        return found
     if not problem.is_dpp():
         if not problem.is_dcp():
             raise ModelError(f"{name}: the program is not convex (cvxpy's DCP rules)")
         raise ModelError(
             f"{name}: parameters are not used in DPP form; multiply each only with variables and data"
         )
-    canonical = canonicalise(name, problem)
-    seconds = time.perf_counter() - began
-    return Compiled(formulation, problem, seconds, canonical, problem.param_dict)
+    return reduced(name, problem)
+
+
+def compile_for(formulation: str | Formulation, data: Any) -> Compiled:
+    """`formulation` on `data`, canonicalised when first asked for and kept as long as `data`.
+
+    Raises
+    ------
+    InputError, ModelError
+        As `registry.get` and `compile_formulation`.
+    """
+    if isinstance(formulation, str):
+        formulation = registry.get(formulation)
+    try:
+        kept = _compiled.setdefault(data, {})
+    except TypeError:  # data of a kind that cannot be kept by reference
+        return compile_formulation(formulation, data)
+    # An edited and reloaded file has a new function, so it is compiled anew.
+    if formulation.build not in kept:
+        kept[formulation.build] = compile_formulation(formulation, data)
+    return kept[formulation.build]
+
+
+def program(formulation: str | Formulation, data: Any, **parameters: float) -> Program:
+    """The linear integer program that `formulation` is on `data`, unsolved.
+
+    Parameters
+    ----------
+    formulation : str or Formulation
+        Its name in the registry, or itself.
+    data
+        What its stage takes, for instance `ClusterData`.
+    **parameters : float
+        The formulation's parameters, for instance ``psi``; the others keep their defaults.
+
+    Raises
+    ------
+    InputError
+        If a name or a parameter is wrong.
+    ModelError
+        If the formulation cannot be built as a linear integer program.
+    """
+    return compile_for(formulation, data).program(**parameters)
+
+
+def structure(formulation: str | Formulation, data: Any, **parameters: float) -> Structure | None:
+    """What the matrix of `formulation` on `data` proves, or ``None`` if nothing is recognised.
+
+    Takes and raises what `program` does. What is proven is that every vertex of the linear
+    relaxation is integral, so that an assignment algorithm or the relaxation solves the program.
+    """
+    return recognise(program(formulation, data, **parameters))
 
 
 def _set_defaults(formulation: Formulation, problem: cp.Problem) -> None:

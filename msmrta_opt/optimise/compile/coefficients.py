@@ -29,7 +29,7 @@ from cvxpy.reductions import InverseData
 from cvxpy.utilities.coeff_extractor import CoeffExtractor
 from scipy.sparse import issparse
 
-from ..arrays import Bools, Floats, Ints
+from ...arrays import Bools, Floats, Ints
 
 
 def nodes(expressions: list[cp.Expression]) -> Iterator[cp.Expression]:
@@ -71,7 +71,7 @@ class Coefficients(NamedTuple):
 
 
 class Reader:
-    """Reads the affine expressions of one problem, whose parameters are scalars in DPP form."""
+    """Reads the affine expressions of one problem, whose parameters are scalars."""
 
     def __init__(self, problem: cp.Problem) -> None:
         self._places = InverseData(problem)
@@ -88,7 +88,8 @@ class Reader:
         Raises
         ------
         NotImplementedError
-            If cvxpy has to restate one of them, or has no coefficients for it.
+            If cvxpy has to restate one of them or has no coefficients for it, or parameters are
+            not in DPP form.
         """
         parts, below = [], 0
         for expression in expressions:
@@ -116,6 +117,8 @@ class Reader:
         return self._by_cvxpy(node)
 
     def _by_cvxpy(self, node: cp.Expression) -> Coefficients:
+        if not node.is_affine() or (node.parameters() and not node.is_dpp()):
+            raise NotImplementedError
         _, added = node.canonical_form
         if added or any(part.ndim > 2 for part in nodes([node])):
             raise NotImplementedError  # it needs rows of its own, or more axes than cvxpy compiles
@@ -150,6 +153,8 @@ class Reader:
     @_of.register(multiply)
     def _(self, node: multiply) -> Coefficients:
         factor, other = node.args if node.args[0].is_constant() else node.args[::-1]
+        if not factor.is_constant():
+            raise NotImplementedError
         inner = self.of(other)
         if not factor.parameters():
             numbers = self.of(factor).number[inner.row] * inner.number
@@ -159,16 +164,18 @@ class Reader:
         if not factor.is_scalar():
             return self._by_cvxpy(node)
         parts = []
+        if np.any(inner.parameter < len(self.parameters)):
+            raise NotImplementedError  # a product of parameters, which is not in DPP form
         for _, _, parameter, number in zip(*self.of(factor), strict=True):
             weighed = inner._replace(number=inner.number * number)
-            if parameter < len(self.parameters):  # in DPP form the other side is without
+            if parameter < len(self.parameters):
                 weighed = weighed._replace(parameter=np.full(len(inner.row), parameter))
             parts.append(weighed)
         return _joined(parts)
 
     @_of.register(DivExpression)
     def _(self, node: DivExpression) -> Coefficients:
-        if node.args[1].parameters():
+        if node.args[1].parameters() or not node.args[1].is_constant():
             return self._by_cvxpy(node)
         inner, divisor = (self.of(item) for item in node.args)
         return inner._replace(number=inner.number / divisor.number[inner.row])

@@ -1,0 +1,15 @@
+"""From a formulation and data to a `Program`, for any values of the formulation's parameters.
+
+Reading order:
+
+- `compiled`: what a formulation is on data, and what keeps it from being a linear integer program.
+- `canonical`: what reading a cvxpy problem gives.
+- `affine`, with `coefficients`: the short way, for affine atoms alone.
+- `reductions`: the long way, by cvxpy.
+- `labels`: the names of rows and columns, in the ids of the data.
+"""
+
+from .compiled import Compiled as Compiled
+from .compiled import compile_for as compile_for
+from .compiled import compile_formulation as compile_formulation
+from .compiled import parameter_values as parameter_values

@@ -1,0 +1,73 @@
+"""What reading a cvxpy problem gives: numbers for any values of its parameters, and raw names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import cvxpy as cp
+from scipy.sparse import csr_array
+
+from ...arrays import Bools, Floats
+from ..program import Block
+
+AUXILIARY = "auxiliary"
+"""Name of columns and rows that cvxpy adds, for instance for a maximum in the objective."""
+
+
+class Numbers(NamedTuple):
+    """Costs, rows and bounds at some values of the parameters, in the problem's own sense.
+
+    Rows are ``matrix @ x = right`` for the first `Canonical.n_equations`, ``≤ right`` for the others.
+    """
+
+    cost: Floats
+    offset: float
+    matrix: csr_array
+    right: Floats
+    lower: Floats
+    upper: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Canonical:
+    """A problem restated in arrays."""
+
+    numbers: Callable[[], Numbers]
+    """The numbers at the present values of the problem's parameters."""
+    n_equations: int
+    integer: Bools
+    columns: tuple[Block, ...]
+    rows: tuple[Block, ...]
+
+
+def variable_blocks(
+    variables: list[cp.Variable], starts: list[int], own: dict[int, cp.Variable]
+) -> tuple[Block, ...]:
+    """The columns, by the names of those that the problem has of its own."""
+    blocks: list[Block] = []
+    for variable, start in zip(variables, starts, strict=True):
+        label = own[variable.id].name() if variable.id in own else AUXILIARY
+        if label in {block.name for block in blocks}:
+            label = f"{label}_{variable.id}"
+        blocks.append(Block(label, start, variable.shape))
+    return tuple(sorted(blocks, key=lambda block: block.start))
+
+
+def constraint_blocks(problem: cp.Problem, constraints: list[cp.Constraint]) -> tuple[Block, ...]:
+    """The rows of `constraints`, by the labels or places of those that the problem has of its own."""
+    own = {constraint.id: constraint for constraint in problem.constraints}
+    place = {constraint.id: i + 1 for i, constraint in enumerate(problem.constraints)}
+    blocks, start = [], 0
+    for constraint in constraints:
+        original = own.get(constraint.id)
+        if original is None:
+            block = Block(AUXILIARY, start, (constraint.size,))
+        elif original.label is None:
+            block = Block(f"constraint {place[original.id]}", start, original.shape)
+        else:
+            block = Block(original.label, start, original.shape)
+        blocks.append(block)
+        start += constraint.size
+    return tuple(blocks)
