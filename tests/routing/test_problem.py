@@ -7,6 +7,8 @@ and which only robot 1 has.
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
@@ -122,6 +124,6 @@ def test_limits_are_kept_per_robot() -> None:
 
 def test_arrays_of_the_wrong_shape_are_refused() -> None:
     right = line()
-    arrays = {name: getattr(right, name) for name in RoutingData.__dataclass_fields__}
+    arrays = {item.name: getattr(right, item.name) for item in fields(RoutingData)}
     with pytest.raises(ValueError, match=r"leave has shape \(3, 2\); give \(2, 3\)"):
         RoutingData(**{**arrays, "leave": right.leave.T})
