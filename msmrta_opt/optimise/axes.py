@@ -78,15 +78,10 @@ class StageData:
 
     def __post_init__(self) -> None:
         own_arrays(self)
-        length: dict[str, int] = {}
+        length = self._lengths()
         for name, letters, infinite in self._arrays():
             array = getattr(self, name)
-            if array.ndim != len(letters):
-                raise ValueError(f"{name} has shape {array.shape}; give axes {', '.join(letters)}")
-            ends = [(self.axes[x].of or x, bool(self.axes[x].last)) for x in letters]
-            for (base, more), found in zip(ends, array.shape, strict=True):
-                length.setdefault(base, found - more)
-            right = tuple(length[base] + more for base, more in ends)
+            right = tuple(length[base] + more for base, more in map(self._base, letters))
             if array.shape != right:
                 raise ValueError(f"{name} has shape {array.shape}; give {right}")
             if array.dtype.kind == "f" and not infinite and not np.isfinite(array).all():
@@ -98,6 +93,23 @@ class StageData:
             if len(set(given)) != len(given) or len(given) != length[letter]:
                 raise ValueError(f"ids of {letter}: {given}; give {length[letter]} different ones")
         object.__setattr__(self, "ids", ids)
+
+    def _lengths(self) -> dict[str, int]:
+        """How long the axes are, by the majority of the arrays that have them."""
+        found: dict[str, list[int]] = {}
+        for name, letters, _ in self._arrays():
+            shape = getattr(self, name).shape
+            if len(shape) != len(letters):
+                raise ValueError(f"{name} has shape {shape}; give axes {', '.join(letters)}")
+            for (base, more), n in zip(map(self._base, letters), shape, strict=True):
+                found.setdefault(base, []).append(n - more)
+        return {base: max(lengths, key=lengths.count) for base, lengths in found.items()}
+
+    @classmethod
+    def _base(cls, letter: str) -> tuple[str, int]:
+        """The axis whose things are on the axis `letter`, and how many places this has more."""
+        axis = cls.axes[letter]
+        return axis.of or letter, int(bool(axis.last))
 
     @classmethod
     @cache
