@@ -6,8 +6,8 @@ the variables of its formulations have them::
     @dataclass(frozen=True, eq=False)
     class ClusterData(StageData):
         stage = "cluster"
-        axes = {"r": Axis("robot"), "c": Axis("cluster")}
-        solution = {"x": ("r", "c")}
+        axes = MappingProxyType({"r": Axis("robot"), "c": Axis("cluster")})
+        solution = MappingProxyType({"x": ("r", "c")})
 
         w: Floats = field(metadata=over("r", "c"))
 
@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cache
-from typing import ClassVar
+from types import MappingProxyType
 
 import numpy as np
 
@@ -66,11 +66,11 @@ class StageData:
         ids of an axis are not as many different ones as it is long.
     """
 
-    stage: ClassVar[str] = ""
+    stage = ""
     """The stage's name, as in `Spec.stage`."""
-    axes: ClassVar[Mapping[str, Axis]] = {}
+    axes = MappingProxyType[str, Axis]({})
     """The axes by letter, in the order in which arrays and variables have them."""
-    solution: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    solution = MappingProxyType[str, tuple[str, ...]]({})
     """The variables that the stage reads, with their axes."""
 
     ids: Mapping[str, Sequence[Id]] = field(default_factory=dict, kw_only=True, repr=False)
