@@ -1,11 +1,12 @@
-# Two commands: `make demo` plans the paper's mission, `make test` checks everything.
+# Two commands: `make demo` plans the paper's mission, `make test` checks everything; `make test-all`
+# with larger sets of random cases, which takes an hour.
 # They need Python 3.11 or later and make, and install into .venv.
 
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test lint types unit figure schema notebooks clean
+.PHONY: demo test test-all lint types unit figure schema notebooks clean
 
 demo: $(VENV)/.installed
 	@mkdir -p out
@@ -19,6 +20,9 @@ lint: $(VENV)/.installed
 
 types: $(VENV)/.installed
 	$(BIN)/mypy
+
+test-all: lint types
+	$(BIN)/python -m pytest -n auto -m "slow or not slow"
 
 unit: $(VENV)/.installed
 	$(BIN)/python -m pytest -n auto

@@ -37,7 +37,7 @@ from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 
 from msmrta_opt.cli.console import say, table
 from msmrta_opt.mission.errors import InputError, SolverError
-from msmrta_opt.mission.files import read_text
+from msmrta_opt.mission.files import read_json, read_text
 from msmrta_opt.mission.grid import DistanceTable, GridMap
 from msmrta_opt.mission.maps import Query, read_map, read_scenario
 from msmrta_opt.optimise.data import ClusterData, ClusteringData, VictimData
@@ -322,7 +322,7 @@ def cases(folder: Path) -> Iterator[Case]:
     """
     path = folder / "expected.json"
     try:
-        expected = json.loads(read_text(path))
+        expected = read_json(path)
     except json.JSONDecodeError as error:
         raise InputError(f"broken JSON: {error}", file=path) from None
     known = [name for name in GROUPS if name in expected]

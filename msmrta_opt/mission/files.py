@@ -211,7 +211,7 @@ def write_with(path: str | Path, write: Callable[[Path], None]) -> None:
             _take_permissions(temporary, old)
             temporary.replace(target)
     except BrokenPipeError:
-        raise  # the reader, such as `head`, has gone; that is no error
+        pass  # a reader such as `head` has what it wanted
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror or error})", file=path) from None
     finally:

@@ -16,6 +16,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -38,6 +39,12 @@ from .validation import first_problem, read_model
 FORMAT: Literal["msmrta-instance/1"] = "msmrta-instance/1"
 
 T = TypeVar("T", bound=np.generic)
+
+
+def _moving(speed: float) -> float:
+    if speed < 1e-30:
+        raise ValueError(f"{speed:g}; give 1e-30 or more")
+    return speed
 
 
 def _load_map(value: object, info: ValidationInfo) -> GridMap:
@@ -83,7 +90,10 @@ MapField = Annotated[
     ),
 ]
 CellField = tuple[NonNegativeInt, NonNegativeInt]
-Duration = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Id = Annotated[int, Field(ge=0, lt=2**63)]  # as arrays and ledgers hold them
+# Beyond these, sums and products of times would leave the range of floats.
+Amount = Annotated[float, Field(ge=0, le=1e30, allow_inf_nan=False)]
+Speed = Annotated[float, Field(gt=0, le=1e30, allow_inf_nan=False), AfterValidator(_moving)]
 
 
 class _Record(BaseModel):
@@ -98,9 +108,9 @@ class Robot(_Record):
     ``start`` is a cell, ``speed`` is in cells per time unit, ``capabilities`` are names of kinds.
     """
 
-    id: NonNegativeInt
+    id: Id
     start: CellField
-    speed: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    speed: Speed
     capabilities: tuple[str, ...]
 
 
@@ -111,19 +121,19 @@ class Victim(_Record):
     ``priority`` weights the victim's completion time.
     """
 
-    id: NonNegativeInt
+    id: Id
     cell: CellField
     requirements: tuple[str, ...]
-    service_time: dict[str, Duration] = Field(default_factory=dict)
-    priority: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 1.0
+    service_time: dict[str, Amount] = Field(default_factory=dict)
+    priority: Amount = 1.0
 
 
 class Scout(_Record):
     """A scouting robot; ``visual_field_depth`` is in cells, in each direction."""
 
-    id: NonNegativeInt
+    id: Id
     start: CellField
-    visual_field_depth: NonNegativeInt
+    visual_field_depth: Id
 
 
 class Instance(_Record):
@@ -139,11 +149,11 @@ class Instance(_Record):
     source: str = ""
     map: MapField
     capabilities: tuple[str, ...]
-    service_time: dict[str, Duration]
+    service_time: dict[str, Amount]
     robots: Annotated[tuple[Robot, ...], Field(min_length=1)]
     victims: tuple[Victim, ...] = ()
     scouts: tuple[Scout, ...] = ()
-    clusters: tuple[NonNegativeInt, ...] | None = None
+    clusters: tuple[Id, ...] | None = None
 
     @field_validator("capabilities")
     @classmethod

@@ -157,7 +157,13 @@ def _files() -> Iterator[tuple[Path, str]]:
             if path.stem.startswith("_"):
                 continue
             first = seen.setdefault(path.stem, path)
-            yield path, "" if first == path else f"the name is taken by {first}; rename this file"
+            if not path.is_file():
+                yield path, "not a regular file"
+            else:
+                yield (
+                    path,
+                    "" if first == path else f"the name is taken by {first}; rename this file",
+                )
 
 
 def listings(stage: str | None = None) -> Iterator[Listing]:

@@ -42,6 +42,9 @@ TABLE: dict[str, tuple[str, str, str]] = {
     "negative_speed.json": ("robots[1].speed", "-0.5", "above 0"),
     "nan_speed.json": ("robots[1].speed", "NaN", "give a finite number"),
     "infinite_speed.json": ("robots[1].speed", "Infinity", "give a finite number"),
+    "speed_beyond_all.json": ("robots[1].speed", "1e+31", "give 1e+30 or less"),
+    "speed_of_nothing.json": ("robots[1].speed", "1e-31", "give 1e-30 or more"),
+    "id_beyond_64_bits.json": ("robots[0].id", "9223372036854775808", "a number below 9.22337e+18"),
     "negative_id.json": ("robots[0].id", "-3", "0 or more"),
     "negative_cell.json": ("victims[1].cell[1]", "-1", "0 or more"),
     "negative_cluster_label.json": ("clusters[1]", "-1", "0 or more"),
@@ -56,6 +59,7 @@ TABLE: dict[str, tuple[str, str, str]] = {
     # Fields and names
     "wrong_format.json": ("format", "msmrta-instance/9", "give 'msmrta-instance/1'"),
     "missing_field.json": ("robots[1].speed", "missing", "give it"),
+    "key_given_twice.json": ("robots[1].speed", "given twice", "give it once"),
     "unknown_field.json": ("victims[0].colour", "'red'", "correct its name or remove it"),
     "unknown_capability.json": (
         "robots[1].capabilities",
