@@ -26,8 +26,6 @@ _RIGHT = {
     "float_type": _NUMBER,
     "greater_than": "give a number above {gt:g}",
     "greater_than_equal": "give {ge:g} or more",
-    "less_than": "give a number below {lt:g}",
-    "less_than_equal": "give {le:g} or less",
     "int_from_float": _WHOLE,
     "int_parsing": _WHOLE,
     "int_type": _WHOLE,

@@ -255,17 +255,23 @@ def test_rows_beyond_what_solvers_keep_are_multiplied_by_a_power_of_two(suffix: 
     [
         (
             program([[1e-9, 1e16]], 1, [1, 1]),
-            r"row row_0: coefficient 1e-09 of x\(0\) beside 1e\+16 of x\(1\); no scaling",
+            r"row 'row 0': coefficient 1e-09 of 'x\[0\]' beside 1e\+16 of 'x\[1\]'; no scaling",
         ),
-        (program([[1, INF]], 1, [1, 1]), r"row row_0: coefficient 1 of x\(0\) beside inf of x\(1"),
-        (program([[1, np.nan]], 1, [1, 1]), "row row_0: coefficient nan"),
-        (program([[1, 1]], 1e20, [1, 1]), r"row row_0: its sides -inf and 1e\+20; give numbers be"),
-        (program([[1, 1]], -INF, [1, 1]), "row row_0: its sides -inf and -inf"),
-        (program([[1e-9, 1e-9]], 1e19, [1, 1]), r"row row_0: its sides -inf and 1.07374e\+28"),
-        (program([[1, 1]], 1, [1, -1e20]), r"variable x\(1\): cost -1e\+20; give numbers below"),
-        (program([[1, 1]], 1, [1, np.nan]), r"variable x\(1\): cost nan"),
-        (program([[1, 1]], 1, [1, 1], upper=[1e20, 1]), r"variable x\(0\): upper bound 1e\+20"),
-        (program([[1, 1]], 1, [1, 1], lower=[0, INF]), r"variable x\(1\): lower bound inf"),
+        (
+            program([[1, INF]], 1, [1, 1]),
+            r"row 'row 0': coefficient 1 of 'x\[0\]' beside inf of 'x\[1",
+        ),
+        (program([[1, np.nan]], 1, [1, 1]), "row 'row 0': coefficient nan"),
+        (
+            program([[1, 1]], 1e20, [1, 1]),
+            r"row 'row 0': its sides -inf and 1e\+20; give numbers be",
+        ),
+        (program([[1, 1]], -INF, [1, 1]), "row 'row 0': its sides -inf and -inf"),
+        (program([[1e-9, 1e-9]], 1e19, [1, 1]), r"row 'row 0': its sides -inf and 1.07374e\+28"),
+        (program([[1, 1]], 1, [1, -1e20]), r"variable 'x\[1\]': cost -1e\+20; give numbers below"),
+        (program([[1, 1]], 1, [1, np.nan]), r"variable 'x\[1\]': cost nan"),
+        (program([[1, 1]], 1, [1, 1], upper=[1e20, 1]), r"variable 'x\[0\]': upper bound 1e\+20"),
+        (program([[1, 1]], 1, [1, 1], lower=[0, INF]), r"variable 'x\[1\]': lower bound inf"),
         (program([[1, 1]], 1, [1, 1], offset=INF), r"the objective's constant inf"),
     ],
 )

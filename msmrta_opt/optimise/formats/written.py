@@ -23,7 +23,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from ...arrays import Bools, Floats
-from ...mission.errors import ModelError
+from ...mission.errors import ModelError, shown
 from ..program import Block, Program
 
 CONSTANT = "objective_constant"
@@ -86,10 +86,11 @@ def written(program: Program, title: str) -> Written:
     matrix = program.matrix.copy()
     matrix.sum_duplicates()
     matrix.eliminate_zeros()
-    columns = _unique(_names(program.columns, program.n_columns, "x"))
+    columns = _names(program.columns, program.n_columns, "x")
+    rows = _names(program.rows, program.n_rows, "row")
     _check_columns(program, columns)
-    rows = _unique(_names(program.rows, program.n_rows, "row"), endings=("", *ENDINGS))
     matrix, low, high = _scaled(program, matrix, columns, rows)
+    columns, rows = _unique(columns), _unique(rows, endings=("", *ENDINGS))
 
     relation, side, which, names = [], [], [], []
     for i, name in enumerate(rows):
@@ -183,7 +184,7 @@ def _check_columns(program: Program, names: list[str]) -> None:
     ):
         if not right.all():
             j = int(np.argmin(right))
-            raise ModelError(f"variable {names[j]}: {what} {values[j]:g}; {_GIVE_LESS}")
+            raise ModelError(f"variable {shown(names[j])}: {what} {values[j]:g}; {_GIVE_LESS}")
     if not abs(program.offset) < INFINITE:
         raise ModelError(f"the objective's constant {program.offset:g}; {_GIVE_LESS}")
 
@@ -211,15 +212,18 @@ def _scaled(
         scale[i] = 2.0 ** -round(exponents.mean()) if np.isfinite(exponents).all() else np.nan
         if not (sizes[smallest] * scale[i] > SMALLEST and sizes[largest] * scale[i] < LARGEST):
             raise ModelError(
-                f"row {rows[i]}: coefficient {sizes[smallest]:g} of {columns[at[smallest]]} beside "
-                f"{sizes[largest]:g} of {columns[at[largest]]}; no scaling brings both between "
+                f"row {shown(rows[i])}: coefficient {sizes[smallest]:g} of "
+                f"{shown(columns[at[smallest]])} beside "
+                f"{sizes[largest]:g} of {shown(columns[at[largest]])}; no scaling brings both between "
                 f"{SMALLEST:g} and {LARGEST:g}, which is what solvers take"
             )
     low, high = low * scale, high * scale
     wrong = ~(_is_side(low, -np.inf) & _is_side(high, np.inf))
     if wrong.any():
         i = int(np.argmax(wrong))
-        raise ModelError(f"row {rows[i]}: its sides {low[i]:g} and {high[i]:g}; {_GIVE_LESS}")
+        raise ModelError(
+            f"row {shown(rows[i])}: its sides {low[i]:g} and {high[i]:g}; {_GIVE_LESS}"
+        )
     return (diags_array(scale) @ matrix).tocsr(), low, high
 
 
