@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -26,6 +28,26 @@ def steps_from(grid: GridMap, start: Cell, up_to: float = math.inf) -> dict[Cell
                     onward.append(cell)
         border = onward
     return steps
+
+
+def are_legal(grid: GridMap, walks: Sequence[Sequence[Cell]]) -> bool:
+    """Whether all cells of `walks` are free, and each is one move from the next."""
+    lengths = [len(walk) for walk in walks]
+    try:
+        flat = chain.from_iterable(chain.from_iterable(walks))
+        cells = np.fromiter(flat, np.int64, 2 * sum(lengths)).reshape(-1, 2)
+    except OverflowError:  # a number that is on no map
+        return False
+    if not len(cells):
+        return True
+    rows, cols = cells.T
+    n_rows, n_cols = grid.shape
+    if cells.min() < 0 or rows.max() >= n_rows or cols.max() >= n_cols:
+        return False
+    moves = np.abs(np.diff(cells, axis=0)).sum(axis=1)
+    between = np.cumsum(lengths)[:-1] - 1  # from the end of a walk to the start of the next
+    moves[between[(between >= 0) & (between < len(moves))]] = 1
+    return bool(grid.free[rows, cols].all() and (moves == 1).all())
 
 
 def components(grid: GridMap) -> Ints:

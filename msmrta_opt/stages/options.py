@@ -6,9 +6,11 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from numbers import Integral, Real
-from typing import Any, Literal, get_args, get_type_hints
+from types import MappingProxyType
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -18,6 +20,15 @@ Weights = Literal["text", "authors"]
 Members = Literal["all", "partial"]
 Performance = Literal["pair", "robot"]
 Award = Literal["sealed", "sequential"]
+CHOICES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "weights": get_args(Weights),
+        "members": get_args(Members),
+        "performance": get_args(Performance),
+        "award": get_args(Award),
+    }
+)
+"""The values of options that are words."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +81,7 @@ class StagedOptions:
         for name in ("through_centre", "pinned_clusters", "shared_table"):
             if not isinstance(getattr(self, name), (bool, np.bool_)):
                 raise InputError(f"{getattr(self, name)!r}; give true or false", field=name)
-        for name in ("weights", "members", "performance", "award"):
-            choices = get_args(get_type_hints(type(self))[name])
+        for name, choices in CHOICES.items():
             if getattr(self, name) not in choices:
                 raise InputError(
                     f"{getattr(self, name)!r}; give one of {', '.join(choices)}", field=name
