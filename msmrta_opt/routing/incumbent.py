@@ -16,6 +16,8 @@ from .stop import Interruption, StoppingCriterion, relative_gap
 
 ROUNDING = 1e-6
 """Relative difference up to which values are the same."""
+FLOAT_ERROR = 1e-9
+"""Relative difference that sums of floats may make."""
 
 
 class Progress:
@@ -101,18 +103,18 @@ class Progress:
         are none.
         """
         bound = self.possible(bound)
-        if bound > self.value + ROUNDING * max(1.0, abs(self.value)) and not of_better:
+        if bound > self.value * (1 + ROUNDING) and not of_better:
             raise SolverError(
                 f"internal error: bound {bound!r} ({proof}) above the feasible {self.value!r}"
             )
         bound = min(bound, self.value)
-        if bound > self.bound + ROUNDING:
+        if bound > self.bound + FLOAT_ERROR * self.value:
             self.bound, self.proof = bound, proof
             self.callbacks.bound_raised(self.state(), proof)
 
     def can_be_pruned(self, bound: float) -> bool:
         """Whether routes worth at least `bound` are no better than the incumbent."""
-        return self.possible(bound) > self.better() + ROUNDING
+        return self.possible(bound) > self.better() + FLOAT_ERROR * self.value
 
     def possible(self, bound: float) -> float:
         """The smallest possible value from `bound` on, with the leeway."""
@@ -123,9 +125,9 @@ class Progress:
         if faults(self.data, routes):
             return False
         worth = self.objective.value(self.data, routes)
-        if worth >= self.value - ROUNDING:
+        if worth >= self.value * (1 - FLOAT_ERROR):
             return False
-        if worth < self.bound - ROUNDING * max(1.0, abs(worth)):
+        if worth < self.bound - ROUNDING * worth:
             raise SolverError(
                 f"internal error: routes worth {worth!r} below the bound {self.bound!r}"
             )

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import cast
 
-from .bound import Bound
+from .bound import Bound, Proof
 from .branch_and_cut.search import branch_and_cut
 from .branch_and_cut.tree import solvers
 from .branch_and_price.search import branch_and_price
+from .callbacks import Callbacks, SearchState
 from .incumbent import Progress
 from .parameters import Parameters
 from .run_highs import highs_version
@@ -51,5 +53,34 @@ def close_in(progress: Progress, *, seed: int = 0, parameters: Parameters | None
     parameters : Parameters, optional
         How to search.
     """
-    method = METHODS[progress.objective.method]
-    return method.close_in(progress, seed=seed, parameters=parameters)
+    method, objective = METHODS[progress.objective.method], progress.objective
+    data = progress.data.in_convenient_units()
+    if data is progress.data:
+        return method.close_in(progress, seed=seed, parameters=parameters)
+    unit = objective.unit_of(data)
+    inner = Progress(
+        data, objective, progress.routes, stop=progress.stop, callbacks=_InUnits(progress, unit)
+    )
+    bound = method.close_in(inner, seed=seed, parameters=parameters)
+    progress.offer(inner.routes)
+    progress.raise_bound(bound.value * unit, bound.proof)
+    return Bound(progress.bound, progress.proof, bound.step * unit, bound.root)
+
+
+class _InUnits(Callbacks):
+    """Passes on to `progress` what a search in other units tells, of which 1 is `unit` there."""
+
+    def __init__(self, progress: Progress, unit: float) -> None:
+        self.progress, self.unit = progress, unit
+
+    def incumbent_found(self, state: SearchState) -> None:
+        """Take over the better routes."""
+        self.progress.offer(state.routes)
+
+    def bound_raised(self, state: SearchState, proof: str) -> None:
+        """Take over the better bound."""
+        self.progress.raise_bound(state.bound * self.unit, cast(Proof, proof), of_better=True)
+
+    def phase_began(self, state: SearchState, phase: str) -> None:
+        """Tell what happens now."""
+        self.progress.begin(phase)

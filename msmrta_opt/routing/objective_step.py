@@ -8,12 +8,14 @@ from fractions import Fraction
 
 import numpy as np
 
+from ..arrays import Floats
+from ..mission.exact import exact, greatest_common_divisor
 from .objectives import Objective, objective_of
 from .problem import RoutingData
 
-_LARGEST_DENOMINATOR = 10_000
-_EXACT = 1e-9
 _ROUNDING = 1e-6
+_MOST_STEPS = 1_000_000
+"""Steps in the largest of all numbers, from which on their divisor says nothing."""
 
 
 @dataclass(frozen=True)
@@ -28,13 +30,13 @@ class ObjectiveStep:
         if self.step == 0.0 or not math.isfinite(bound):
             return bound
         steps = (bound - self.offset) / self.step
-        slack = _ROUNDING * max(1.0, abs(bound)) / self.step
+        slack = _ROUNDING * abs(bound) / self.step
         # A slack of a step and more would round nothing: so small a step says nothing.
         return max(bound, self.offset + self.step * math.ceil(steps - min(slack, 0.5)))
 
     def below(self, value: float) -> float:
         """The greatest value that is better than the possible value `value`, up to rounding."""
-        slack = _ROUNDING * max(1.0, abs(value))
+        slack = _ROUNDING * abs(value)
         return value - (self.step - slack if self.step > 2 * slack else slack)
 
 
@@ -54,38 +56,27 @@ def objective_step(data: RoutingData, objective: str | Objective) -> ObjectiveSt
 def time_step(data: RoutingData, *, service: bool = True) -> float:
     """The exact greatest common divisor of all times, with or without service; 0 if not known.
 
-    Walking distances are whole and speeds are short decimals, so times are fractions with small
-    denominators. If one is not (to 1e-9), nothing is claimed.
+    Walking distances are whole and speeds are short decimals, so times are simple fractions in the
+    mission's own unit. If one is not, nothing is claimed.
     """
     able = data.can_visit
     both = able[:, :, None] & able[:, None, :]
     times = [data.leave[able], data.back[able], data.between[both]]
     if service:
         times.append(data.service[data.required])
-    divisor = Fraction(0)
-    for time in np.unique(np.concatenate(times)):
-        exact = Fraction(float(time)).limit_denominator(_LARGEST_DENOMINATOR)
-        if abs(float(exact) - time) > _EXACT:
-            return 0.0
-        divisor = _common(divisor, exact)
-        if divisor and divisor < Fraction(1, _LARGEST_DENOMINATOR):
-            return 0.0
-    return float(divisor)
+    return _divisor(np.concatenate(times), data.time_unit)
 
 
 def _priority_step(data: RoutingData) -> float:
-    divisor = Fraction(0)
-    for priority in set(data.priority.tolist()):
-        exact = Fraction(priority).limit_denominator(_LARGEST_DENOMINATOR)
-        if float(exact) != priority:
+    return _divisor(data.priority, data.priority_unit)
+
+
+def _divisor(numbers: Floats, unit: float) -> float:
+    """The greatest common divisor of `numbers`, which are exact once they are times `unit`."""
+    values = np.unique(numbers)
+    divisor, largest = Fraction(0), Fraction(float(values.max(initial=0.0)) * unit)
+    for value in values.tolist():
+        divisor = greatest_common_divisor([divisor, exact(value * unit)])
+        if divisor * _MOST_STEPS < largest and divisor:
             return 0.0
-        divisor = _common(divisor, exact)
-    return float(divisor)
-
-
-def _common(a: Fraction, b: Fraction) -> Fraction:
-    """The greatest common divisor of two fractions."""
-    return Fraction(
-        math.gcd(a.numerator * b.denominator, b.numerator * a.denominator),
-        a.denominator * b.denominator,
-    )
+    return float(divisor) / unit

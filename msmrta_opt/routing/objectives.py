@@ -60,6 +60,10 @@ class Objective:
             self.of_times(at.busy.tolist(), at.completion.tolist(), data.priority.tolist())
         )
 
+    def unit_of(self, data: RoutingData) -> float:
+        """What 1 of its values is in the mission's own units, for `data` in others."""
+        return data.time_unit * (data.priority_unit if self.weighted else 1.0)
+
     def of_plan(self, metrics: Metrics) -> float:
         """What a plan with these metrics is worth, in `unit`."""
         return float(getattr(metrics, self.name))

@@ -24,6 +24,8 @@ from .separation import Cut
 
 _DIGITS = 12
 """Significant digits of a dual value: any prove a bound, these the same one to that precision."""
+_OF_TIME = ("walk", "endurance", "makespan")
+"""Rows in time units, so that their dual values have no unit; the others have the objective's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,13 +71,14 @@ class RootRelaxation:
             return None
         fields: dict[str, list[dict[str, Any]]] = {}
         about = [*_first_rows(instance, formulation), *(_cut(instance, cut) for cut in self.cuts)]
+        unit = formulation.objective.unit_of(formulation.data)
         for (name, ids), value in zip(about, self.dual_values, strict=True):
-            _note(fields, name, ids, value)
+            _note(fields, name, ids, value if name in _OF_TIME else value * unit)
         step = objective_step(formulation.data, formulation.objective)
         return RootProof.model_validate(
             {
                 "objective": formulation.objective.name,
-                "bound": min(step.up(bound), worth),
+                "bound": min(step.up(bound) * unit, worth),
                 "solver": highs_version(),
                 **fields,
             }

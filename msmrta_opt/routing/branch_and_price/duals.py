@@ -70,7 +70,7 @@ class Duals:
         return replace(self, value=(1 - share) * self.value + share * other.value, density=density)
 
     def scaled(self, time: float, priority: float) -> Duals:
-        """The same in units that are so many times as small."""
+        """The same in units of which these are so many times as large."""
         return Duals(
             self.value * (time * priority),
             tuple(density * priority for density in self.density),
@@ -96,7 +96,7 @@ class Round:
 
 @dataclass(frozen=True, eq=False)
 class LatencyRoot:
-    """What was proved before branching, round by round, and by what; in the joint problem's units.
+    """What was proved before branching, round by round, and by what.
 
     Every round but the first is on networks in which those before it ruled out what no solution
     better than the incumbent does.

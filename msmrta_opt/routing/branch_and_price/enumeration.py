@@ -24,7 +24,8 @@ from .path_program import Path
 from .pricing import costs_to_go
 from .tasks import Tasks
 
-_SLACK = 1e-6
+_SLACK = 1e-9
+"""Share of a limit by which rounding may exceed it."""
 _EXACT = 1e-9
 
 
@@ -180,8 +181,8 @@ class _Extension:
         home = data.back[robot, self.network.victims[self.network.at[labels.state]]]
         return np.asarray(
             (labels.cost <= self.maximum)
-            & (labels.clock + home <= data.endurance[robot] + _SLACK)
-            & (labels.walk + home <= data.longest_walk[robot] + _SLACK)
+            & (labels.clock + home <= data.endurance[robot] * (1 + _SLACK))
+            & (labels.walk + home <= data.longest_walk[robot] * (1 + _SLACK))
         )
 
 

@@ -27,7 +27,7 @@ from .tasks import Tasks
 
 _BITS = 48
 _MASK = (1 << _BITS) - 1
-_ROUNDING = 1e-7
+_ROUNDING = 1e-9
 """Steps of time by which a time may be off without being another."""
 _DIGITS = 12
 

@@ -40,12 +40,14 @@ class LatencyEvidence:
         worth : float
             Value of the routes found: no bound is above it.
         """
+        data = self.data
+        unit = data.time_unit * data.priority_unit
         return LatencyProof.model_validate(
             {
-                "bound": min(self.root.value, worth),
+                "bound": min(self.root.value * unit, worth),
                 "solver": highs_version(),
                 "time_steps": [
-                    {"robot": instance.robots[r].id, "length": step}
+                    {"robot": instance.robots[r].id, "length": step * data.time_unit}
                     for r, step in self.root.time_steps.items()
                 ],
                 "rounds": [self._round(instance, part) for part in self.root.rounds],
@@ -54,16 +56,16 @@ class LatencyEvidence:
 
     def _round(self, instance: Instance, part: Round) -> dict[str, Any]:
         victims = [victim.id for victim in instance.victims]
-        tasks, duals = self.root.tasks, part.duals
+        tasks, data = self.root.tasks, self.data
+        duals = part.duals.scaled(data.time_unit, data.priority_unit)
+        priority = data.priority * data.priority_unit
         return {
             "tasks": [
                 {
                     "victim": victims[v],
                     "kinds": [instance.capabilities[k] for k in kinds],
                     "dual": float(f"{duals.value[g]:.{_DIGITS}g}"),
-                    "densities": [
-                        _down(mu, float(self.data.priority[v])) for mu in duals.density[g]
-                    ],
+                    "densities": [_down(mu, float(priority[v])) for mu in duals.density[g]],
                 }
                 for g, (v, kinds) in enumerate(zip(tasks.victim, tasks.kinds, strict=True))
             ],

@@ -238,7 +238,7 @@ class _Search:
 
     def cutoff(self) -> float:
         """What solutions that are better than the incumbent are worth at most, with some leeway."""
-        return self.progress.better() + ROUNDING * max(1.0, self.progress.value)
+        return self.progress.better() + ROUNDING * self.progress.value
 
     def evidence(self) -> LatencyEvidence | None:
         """What was proved at the root, if it is more than what follows at once."""
