@@ -73,10 +73,10 @@ if TYPE_CHECKING:
     from .stages.options import StagedOptions as StagedOptions
     from .stages.scouting import scouting as scouting
     from .studies.analysis.agreement import disagreements as disagreements
+    from .studies.analysis.profile import performance_profile as performance_profile
     from .studies.analysis.score import score as score
     from .studies.analysis.staging import price_of_staging as price_of_staging
     from .studies.analysis.staging_picture import staging_losses as staging_losses
-    from .studies.analysis.times import performance_profile as performance_profile
     from .studies.analysis.tradeoff import tradeoff as tradeoff
     from .studies.analysis.tradeoff import tradeoff_regions as tradeoff_regions
     from .studies.comparison import comparison as compare  # noqa: F401

@@ -57,7 +57,7 @@ HOME = MappingProxyType(
         "Explanation": "optimise.explain",
         "compare": "studies.comparison:comparison",
         "disagreements": "studies.analysis.agreement",
-        "performance_profile": "studies.analysis.times",
+        "performance_profile": "studies.analysis.profile",
         "score": "studies.analysis.score",
         "price_of_staging": "studies.analysis.staging",
         "staging_losses": "studies.analysis.staging_picture",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -65,9 +65,9 @@ def compare(
     from ..stages.options import StagedOptions
     from ..studies import comparison as study
     from ..studies.analysis.agreement import disagreements
-    from ..studies.analysis.regression import changes, read_baseline, save_baseline
+    from ..studies.analysis.regression import changes, read_baseline
     from ..studies.missions import read_instances
-    from .console import console
+    from .console import console, say
     from .outputs import check_outputs, check_parquet
 
     check_outputs(csv, parquet, json, save, figure=figure, inputs=[*instances, against])
@@ -90,53 +90,53 @@ def compare(
     )
     rows: list[Record] = []
     measured: list[Score] = []
-    interrupted = False
+    is_whole = False
     try:
         with closing(study.compare(todo, jobs=jobs, memory_limit=memory_limit)) as finished:
             bar = tqdm(finished, total=len(todo), desc="solving", unit="solve", disable=None)
             for row in bar:
                 rows.append(row)  # noqa: PERF402 - what is finished stays if Ctrl-C ends the loop
         if scores:
-            measured = _scores(missions, stage, rows, options, time_limit, memory_limit)
+            for item in _scores(missions, stage, rows, options, time_limit, memory_limit):
+                measured.append(item)  # noqa: PERF402
+        is_whole = True
     except KeyboardInterrupt:
-        interrupted = True
+        pass
     rows = study.in_order(todo, rows)
+    # Files first: whatever becomes of the screen, what was found is kept. A part is no baseline.
+    _write(rows, csv, parquet, json, figure, save if is_whole else None)
     _show(rows, measured)
-    _write(rows, csv, parquet, json)
-    if figure is not None:
-        from matplotlib.figure import Figure as Drawing
-
-        from ..plots import save_figure
-        from ..studies.analysis.times import performance_profile
-
-        drawing = Drawing(figsize=(7.5, 4.8), layout="constrained")
-        performance_profile(rows, ax=drawing.subplots())
-        save_figure(drawing, figure)
-    if interrupted:
+    if not is_whole:
         console().print(f"interrupted: {len(rows)} of {len(todo)} solves are shown", style="yellow")
         raise KeyboardInterrupt
-    if save is not None:
-        save_baseline(rows, save)
-    failed = disagreements(rows)
-    for line in failed:
+    wrong = disagreements(rows)
+    for line in wrong:
         console().print(f"disagreement: {line}", style="bold red", markup=False)
     if baseline is not None:
         different = changes(baseline, rows, slower=slower)
         for line in different:
             console().print(f"changed: {line}", style="red", markup=False)
         if not different:
-            console().print(f"nothing has changed against {against}")
-        failed += different
-    silent = [row for row in rows if row.verdict in ("error", "skipped")]
-    wrong = [row for row in rows if row.check not in (None, "", "passed")]
-    if silent:
-        console().print(f"{len(silent)} of {len(rows)} solves gave no answer", style="yellow")
-    if wrong:
-        console().print(f"{len(wrong)} solves failed their check", style="bold red")
-    if len(silent) < len(rows) and not failed and not wrong:
-        console().print("all answers agree", style="green")
-    if failed or wrong or len(silent) == len(rows):
+            say(f"nothing has changed against {against}")
+        wrong += different
+    if not _all_solved(rows, agree=not wrong) or wrong:
         raise typer.Exit(1)
+
+
+def _all_solved(rows: Sequence[Record], *, agree: bool) -> bool:
+    """Whether some solve gave a solution and none failed its check; says so either way."""
+    from .console import console
+
+    silent = [row for row in rows if row.verdict in ("error", "skipped")]
+    failed = [row for row in rows if row.check not in (None, "", "passed")]
+    if silent:
+        console().print(f"{len(silent)} of {len(rows)} solves gave no solution", style="yellow")
+    if failed:
+        console().print(f"{len(failed)} solves failed their check", style="bold red")
+    is_sound = len(silent) < len(rows) and not failed
+    if is_sound and agree:
+        console().print("all solutions agree", style="green")
+    return is_sound
 
 
 def _check_slower(against: Path | None, slower: float | None) -> None:
@@ -198,21 +198,17 @@ def _scores(
     options: StagedOptions,
     time: float,
     memory: float,
-) -> list[Score]:
+) -> Iterator[Score]:
     from ..studies.analysis.score import scores
 
-    sound = list(
-        dict.fromkeys(row.model or "" for row in rows if row.verdict in ("optimal", "feasible"))
-    )
-    return list(
-        scores(
-            missions,
-            stage=stage,
-            models=sound,
-            options=options,
-            time_limit=time + 20,
-            memory_limit=memory,
-        )
+    sound = dict.fromkeys(row.model or "" for row in rows if row.verdict in ("optimal", "feasible"))
+    return scores(
+        missions,
+        stage=stage,
+        models=list(sound),
+        options=options,
+        time_limit=time + 20,
+        memory_limit=memory,
     )
 
 
@@ -287,11 +283,17 @@ def _milliseconds(value: float | None) -> str:
 
 
 def _write(
-    rows: Sequence[Record], csv: Path | None, parquet: Path | None, json: Path | None
+    rows: Sequence[Record],
+    csv: Path | None,
+    parquet: Path | None,
+    json: Path | None,
+    figure: Path | None,
+    save: Path | None,
 ) -> None:
     import json as json_module
 
     from ..mission.files import write_text
+    from ..studies.analysis.regression import save_baseline
     from ..studies.solves import documents_of, table_of
     from .outputs import write_table
 
@@ -299,3 +301,10 @@ def _write(
         write_table(table_of(rows), csv, parquet)
     if json is not None:
         write_text(json, json_module.dumps(documents_of(rows), indent=1) + "\n")
+    if figure is not None:
+        from ..plots import save_figure
+        from ..studies.analysis.profile import performance_profile
+
+        save_figure(performance_profile(rows), figure)
+    if save is not None:
+        save_baseline(rows, save)

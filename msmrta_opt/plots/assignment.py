@@ -9,21 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from ..mission.plan import Plan
-from .canvas import (
-    Scale,
-    Stamp,
-    captions_of,
-    draw_stamps,
-    map_axes,
-    plot_map,
-    start_stamp,
-    visit_stamp,
-)
+from .canvas import Scale, map_axes, plot_map
 from .clusters import draw_centres, draw_outlines
 from .legends import legend_below, mark_handle, robot_handles
+from .lettering import as_written
+from .marks import Stamp, captions_of, draw_stamps, start_stamp, visit_stamp
 from .style import FAINT, INK, REASONS, STAGES, robot_styles, stage_shapes
 
 
+@as_written
 def plot_assignment(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) -> Axes:
     """Draw the clusters and, at each victim, one mark per robot that serves it and stage.
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ..mission.grid import Cell
 from ..mission.plan import Cluster, Plan
-from .canvas import Box, Scale, free_spot
+from .canvas import Scale
+from .marks import Box, free_spot
 from .style import FAINT, INK, NOBODY, RobotStyle, robot_styles
 
 MARGIN = 0.72

@@ -7,8 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from ..mission.plan import Plan, Route
-from .canvas import own_axes, size_of
+from .figure import own_axes, size_of
 from .legends import legend_below
+from .lettering import as_written
 from .style import FAINT, INK, RobotStyle, robot_styles
 
 BAR = 0.72
@@ -21,6 +22,7 @@ def gantt_height(plan: Plan) -> float:
     return 1.0 + 0.27 * plan.instance.n_robots
 
 
+@as_written
 def plot_gantt(plan: Plan, ax: Axes | None = None, *, until: float | None = None) -> Axes:
     """Draw travel and service of each robot over time, and the makespan.
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.container import Container
 from matplotlib.lines import Line2D
 
-from .canvas import size_of
+from .figure import size_of
 from .style import FAINT, INK, RobotStyle
 
 LEGEND_FONT = 7.5

@@ -9,9 +9,11 @@ from matplotlib.figure import Figure
 
 from ..mission.plan import Plan
 from .assignment import plot_assignment
-from .canvas import Picture, panel_size
+from .canvas import panel_size
+from .figure import Picture
 from .gantt import gantt_height, plot_gantt
 from .legends import LEGEND_FONT, robot_handles
+from .lettering import as_written
 from .paths import plot_paths
 from .scouting import plot_scouting
 from .style import robot_styles
@@ -20,6 +22,7 @@ LEGENDS = 2.7
 """Inches that the panels' titles, axes and legends take."""
 
 
+@as_written
 def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
     """Draw scouting, assignment and paths side by side, and when everything happens.
 

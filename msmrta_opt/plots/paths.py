@@ -6,22 +6,15 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from ..mission.plan import Plan
-from .canvas import (
-    Scale,
-    captions_of,
-    draw_stamps,
-    draw_walk,
-    lanes,
-    map_axes,
-    plot_map,
-    start_stamp,
-    visit_stamp,
-)
+from .canvas import Scale, map_axes, plot_map
 from .clusters import draw_centres
 from .legends import legend_below, mark_handle, robot_handles
+from .lettering import as_written
+from .marks import captions_of, draw_stamps, draw_walk, lanes, start_stamp, visit_stamp
 from .style import robot_styles
 
 
+@as_written
 def plot_paths(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) -> Axes:
     """Draw each robot's path over the cells, and at each stop its place in the robot's order.
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 import matplotlib
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..mission.errors import InputError
@@ -22,13 +23,13 @@ FORMATS = MappingProxyType(
 """The formats that can be written, by suffix, with the metadata to leave out."""
 
 
-def save_figure(figure: Figure, path: str | Path, dpi: float = 150) -> None:
-    """Write `figure` to `path`, in the format that its suffix names.
+def save_figure(drawn: Figure | Axes, path: str | Path, dpi: float = 150) -> None:
+    """Write a picture to `path`, in the format that its suffix names.
 
     Parameters
     ----------
-    figure : Figure
-        What to write.
+    drawn : Figure or Axes
+        What to write; of axes the whole figure.
     path : path
         The file, replaced whole; its suffix is one of `FORMATS`.
     dpi : float
@@ -51,6 +52,9 @@ def save_figure(figure: Figure, path: str | Path, dpi: float = 150) -> None:
         raise InputError(
             f"unknown picture format {suffix!r}; the suffix is one of {known}", file=path
         )
+    figure = drawn if isinstance(drawn, Figure) else drawn.get_figure(root=True)
+    if figure is None:
+        raise InputError("axes without a figure; give them one", field="drawn")
     # The salt makes the names inside an SVG the same each time; the setting ends with the block.
     with matplotlib.rc_context({"svg.hashsalt": "msmrta_opt"}):
         write_with(

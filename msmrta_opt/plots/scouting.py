@@ -15,25 +15,18 @@ from matplotlib.ticker import MaxNLocator
 
 from ..mission.instance import Instance
 from ..mission.plan import Plan, ScoutingReport, Track
-from .canvas import (
-    Scale,
-    Stamp,
-    draw_stamps,
-    draw_walk,
-    lanes,
-    map_axes,
-    own_axes,
-    plot_map,
-    size_of,
-    start_stamp,
-)
+from .canvas import Scale, map_axes, plot_map
+from .figure import own_axes, size_of
 from .legends import legend_below, mark_handle, robot_handles
+from .lettering import as_written
+from .marks import Stamp, draw_stamps, draw_walk, lanes, start_stamp
 from .style import FAINT, FOUND, INK, MISSED, SIGHT, robot_styles
 
 NAMES_PER_STEP = 3
 """Victims found at one step that are named; more are counted."""
 
 
+@as_written
 def plot_scouting(
     mission: Plan | Instance,
     ax: Axes | None = None,
@@ -148,6 +141,7 @@ def _track_handles(tracks: Sequence[Track]) -> list[Artist]:
     return handles
 
 
+@as_written
 def plot_coverage(report: ScoutingReport, ax: Axes | None = None) -> Axes:
     """Draw the share of cells seen after each step, and when each victim was found.
 

@@ -22,7 +22,7 @@ from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import plan as make_plan
-from msmrta_opt.plots.canvas import PictureAxes
+from msmrta_opt.plots.figure import PictureAxes
 
 PANELS: list[Callable[..., Axes]] = [
     plots.plot_scouting,

@@ -7,6 +7,7 @@ are both of the paper's equations at what was chosen.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -130,13 +131,11 @@ def scores(
         limits=Limits(time_limit, memory_limit),
         preload=("msmrta_opt.studies.analysis.score",),
     )
-    for index, result in sorted(results, key=lambda item: item[0]):
-        failed = isinstance(result, Failure)
-        yield (
-            Score(calls[index][0].name, calls[index][2], message=result.message)
-            if failed
-            else result
-        )
+    with closing(results):
+        for index, result in results:  # one at a time, so they come in order
+            if isinstance(result, Failure):
+                result = Score(calls[index][0].name, calls[index][2], message=result.message)
+            yield result
 
 
 def _score_isolated(

@@ -6,12 +6,14 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.axes import Axes
 
-from ...plots.canvas import own_axes
+from ...plots.figure import own_axes
 from ...plots.legends import legend_below
+from ...plots.lettering import as_written
 from ...plots.style import PALETTE
 from .staging import Loss
 
 
+@as_written
 def staging_losses(
     priced: Mapping[str, Sequence[Loss]], objective: str, ax: Axes | None = None
 ) -> Axes:

@@ -23,8 +23,10 @@ from scipy.optimize import isotonic_regression
 from ...mission.errors import InputError
 from ...mission.metrics import METRICS, metrics_of
 from ...mission.plan import Plan
-from ...plots.canvas import Picture, own_axes, panel_size, size_of
+from ...plots.canvas import panel_size
+from ...plots.figure import Picture, own_axes, size_of
 from ...plots.legends import legend_below
+from ...plots.lettering import as_written
 from ...plots.paths import plot_paths
 from ...plots.style import FAINT, INK, PALETTE
 from .tradeoff import Assignment, Region, Regions, Segment, Tradeoff
@@ -43,6 +45,7 @@ LEADER = 5.0
 """Points between the axes and the names of breakpoints, crossed by a line to each."""
 
 
+@as_written
 def plot_value(result: Tradeoff, ax: Axes | None = None) -> Axes:
     """The optimal value over the parameter, its breakpoints, and the two objectives it weighs.
 
@@ -81,6 +84,7 @@ def plot_value(result: Tradeoff, ax: Axes | None = None) -> Axes:
     return ax
 
 
+@as_written
 def plot_front(result: Tradeoff, ax: Axes | None = None) -> Axes:
     """The points that nothing dominates: those that a weight reaches, and those that none does.
 
@@ -120,6 +124,7 @@ def plot_front(result: Tradeoff, ax: Axes | None = None) -> Axes:
     return ax
 
 
+@as_written
 def plot_bands(result: Tradeoff, ax: Axes | None = None) -> Axes:
     """Per robot a band over the parameter: which cluster, or which victims, it takes.
 
@@ -151,6 +156,7 @@ def plot_bands(result: Tradeoff, ax: Axes | None = None) -> Axes:
     return ax
 
 
+@as_written
 def plot_regions(regions: Regions, ax: Axes | None = None, *, metric: str = "distance") -> Axes:
     """The ψ × β square, each region coloured by a metric of its plan and numbered by its plan.
 
@@ -187,6 +193,7 @@ def plot_regions(regions: Regions, ax: Axes | None = None, *, metric: str = "dis
     return ax
 
 
+@as_written
 def tradeoff_figure(result: Tradeoff, *, breakpoint_: Fraction | None = None) -> Figure:
     """One page on one parameter: value, front, bands, and the plans on either side of a breakpoint.
 
@@ -228,6 +235,7 @@ def tradeoff_figure(result: Tradeoff, *, breakpoint_: Fraction | None = None) ->
     return figure
 
 
+@as_written
 def regions_figure(regions: Regions) -> Figure:
     """One page on both parameters: the square by some metrics, and the two plans furthest apart."""
     plans = sorted(regions.plans, key=lambda plan: (plan.metrics.distance, plan.metrics.makespan))

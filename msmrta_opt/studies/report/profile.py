@@ -8,7 +8,8 @@ from typing import Any
 import pandas as pd
 
 from ...plots.style import line_styles
-from ..analysis.times import draw_profile, finished, profile
+from ..analysis.profile import draw_profile
+from ..analysis.times import finished, profile
 from .blocks import Picture
 from .runs import of_method, per_instance
 from .style import add_legend, own_axes

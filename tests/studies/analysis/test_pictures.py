@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from msmrta_opt.optimise.solution import Status
-from msmrta_opt.plots.canvas import PictureAxes
+from msmrta_opt.plots.figure import PictureAxes
+from msmrta_opt.studies.analysis.profile import performance_profile
 from msmrta_opt.studies.analysis.staging import Loss
 from msmrta_opt.studies.analysis.staging_picture import staging_losses
-from msmrta_opt.studies.analysis.times import performance_profile
 from msmrta_opt.studies.record import Record
 from msmrta_opt.studies.solves import record_of_row, table_of
 
