@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..routing.objectives import DEFAULT, NAMES, objective_of
 from .missions import Figure, Seed
+
+if TYPE_CHECKING:
+    from ..studies.analysis.staging import Candidate, Loss
 
 
 def register(app: typer.Typer) -> None:
@@ -24,21 +28,50 @@ def compare_plans(
     figure: Figure = None,
 ) -> None:
     """Compare planners on instances, each beside a proven bound, and price the staged method."""
+    from ..interruption import interrupted, interruptible
     from ..mission.errors import InputError
-    from ..mission.instance import Instance
-    from ..mission.metrics import metrics_of
     from ..planners import plan as make_plan
     from ..studies.analysis.staging import candidates, price_of_staging
-    from .console import table
+    from ..studies.missions import read_instances
     from .outputs import check_outputs
 
     objective_of(objective)
     if not seconds >= 0:
         raise InputError(f"{seconds!r}; give 0 or more", field="--seconds")
     check_outputs(figure=figure, inputs=instances)
-    metrics, priced = metrics_of("plans"), {}
-    for mission in [Instance.read(path) for path in instances]:
-        rows = [
+    chosen, compared, priced = seed or 0, {}, {}
+    with interruptible():
+        for mission in read_instances(instances):
+            compared[mission.name] = candidates(mission, objective, seconds=seconds, seed=chosen)
+            if interrupted():
+                break
+            staged = make_plan(mission, seed=chosen)
+            losses = price_of_staging(staged, objective, seconds=seconds / 4, seed=chosen)
+            priced[mission.name] = losses
+            if interrupted():
+                break
+        # Files first: whatever becomes of the screen, what was found is kept.
+        if figure is not None and any(priced.values()):
+            from ..plots import save_figure
+            from ..studies.analysis.staging_picture import staging_losses
+
+            save_figure(staging_losses(priced, objective), figure)
+            typer.echo(f"picture written to {figure}")
+        for name, plans in compared.items():
+            _show(name, objective, plans, priced.get(name, []))
+        if interrupted():
+            raise KeyboardInterrupt
+
+
+def _show(name: str, objective: str, plans: Sequence[Candidate], losses: Sequence[Loss]) -> None:
+    from ..mission.metrics import metrics_of
+    from .console import table
+
+    metrics = metrics_of("plans")
+    table(
+        f"{name}: plans by {objective}",
+        ["plan", objective, "to its bound", "open", *(metric.heading for metric in metrics)],
+        [
             (
                 item.name,
                 item.value,
@@ -46,25 +79,12 @@ def compare_plans(
                 f"{item.gap:.2%}",
                 *(metric.of(item.metrics) for metric in metrics),
             )
-            for item in candidates(mission, objective, seconds=seconds, seed=seed or 0)
-        ]
-        columns = ["plan", objective, "to its bound", "open", *(m.heading for m in metrics)]
-        table(f"{mission.name}: plans by {objective}", columns, rows)
-        staged = make_plan(mission, seed=seed or 0)
-        losses = price_of_staging(staged, objective, seconds=seconds / 4, seed=seed or 0)
+            for item in plans
+        ],
+    )
+    if losses:
         table(
-            f"{mission.name}: what each stage of the staged plan costs, freed from the last on",
+            f"{name}: what each stage of the staged plan costs, freed from the last on",
             ["freed", "before", "after", "loss", "bound of after"],
             [(x.stage, x.before, x.after, x.loss, x.bound) for x in losses],
         )
-        priced[mission.name] = losses
-    if figure is not None:
-        from matplotlib.figure import Figure as Drawing
-
-        from ..plots import save_figure
-        from ..studies.analysis.staging_picture import staging_losses
-
-        drawing = Drawing(figsize=(9, 1.8 + 0.6 * len(priced)), layout="constrained")
-        staging_losses(priced, objective, ax=drawing.subplots())
-        save_figure(drawing, figure)
-        typer.echo(f"picture written to {figure}")

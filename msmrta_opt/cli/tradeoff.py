@@ -30,36 +30,48 @@ def tradeoff(
     figure: Figure = None,
 ) -> None:
     """Find every optimum over ψ or β, or every plan over both, with the exact values of change."""
+    from ..interruption import interrupted, interruptible
     from ..mission.errors import InputError
     from ..mission.instance import Instance
     from ..studies.analysis import tradeoff as study
+    from .console import say
     from .outputs import check_outputs
 
     check_outputs(csv, figure=figure, inputs=[instance])
     given = {"psi": psi, "seed": seed}
     options: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     mission = Instance.read(instance)
-    if over.replace(" ", "") in ("psi,beta", "beta,psi"):
-        if model is not None:
-            raise InputError("goes with one parameter", field="--model")
-        regions = study.tradeoff_regions(mission, **options)
-        rows = _region_rows(regions)
-        _show_regions(regions, rows)
-    elif over in ("psi", "beta"):
-        result = study.tradeoff(mission, "psi" if over == "psi" else "beta", model=model, **options)
-        rows = _segment_rows(result)
-        _show_segments(result, rows)
-    else:
+    names = sorted(name.strip() for name in over.split(","))
+    if names not in (["psi"], ["beta"], ["beta", "psi"]):
         raise InputError(f"{over!r}; give psi, beta, or psi,beta", field="--over")
-    if csv is not None:
-        _write_csv(rows, csv)
-    if figure is not None:
-        from ..plots import save_figure
-        from ..studies.analysis.tradeoff_pictures import regions_figure, tradeoff_figure
+    if len(names) > 1 and model is not None:
+        raise InputError("goes with one parameter", field="--model")
+    with interruptible():
+        if len(names) > 1:
+            regions = study.tradeoff_regions(mission, **options)
+            rows = _region_rows(regions)
+        else:
+            result = study.tradeoff(
+                mission, "psi" if names == ["psi"] else "beta", model=model, **options
+            )
+            rows = _segment_rows(result)
+        # Files first: whatever becomes of the screen, what was found is kept.
+        if csv is not None:
+            _write_csv(rows, csv)
+        if figure is not None:
+            from ..plots import save_figure
+            from ..studies.analysis.tradeoff_pictures import regions_figure, tradeoff_figure
 
-        both = "," in over
-        save_figure(regions_figure(regions) if both else tradeoff_figure(result), figure)
-        typer.echo(f"picture written to {figure}")
+            drawn = regions_figure(regions) if len(names) > 1 else tradeoff_figure(result)
+            save_figure(drawn, figure)
+            typer.echo(f"picture written to {figure}")
+        if len(names) > 1:
+            _show_regions(regions, rows)
+        else:
+            _show_segments(result, rows)
+        if interrupted():
+            say(f"interrupted: what is shown of {over} is not all there is")
+            raise KeyboardInterrupt
 
 
 def _segment_rows(result: Tradeoff) -> list[dict[str, object]]:

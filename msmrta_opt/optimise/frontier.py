@@ -13,6 +13,7 @@ from fractions import Fraction
 import numpy as np
 
 from ..arrays import Floats
+from ..interruption import interrupted
 from .parametric import Envelope, Family, Line
 from .program import Program
 from .solution import Solution
@@ -34,7 +35,7 @@ class Point:
 class Frontier:
     """The points that nothing dominates, from the best ``f₀`` to the best ``f₁``.
 
-    ``complete`` is false if the limit on their number was reached.
+    ``complete`` is false if the limit on their number was reached, or `interruption` ended it.
     """
 
     points: tuple[Point, ...]
@@ -53,13 +54,14 @@ def frontier(family: Family, envelope: Envelope, *, most: int = 500) -> Frontier
     """
     points: list[Point] = []
     limit: Fraction | None = None
-    while len(points) < most:
+    while len(points) < most and not interrupted():
         line = _best(family, limit)
         if line is None:
             return Frontier(tuple(points), complete=True)
         points.append(Point(line, _is_supported(line, envelope, family.exact)))
         limit = line.at_one
-    return Frontier(tuple(points), complete=_best(family, limit) is None)
+    is_all = not interrupted() and _best(family, limit) is None
+    return Frontier(tuple(points), complete=is_all)
 
 
 def _best(family: Family, limit: Fraction | None) -> Line | None:

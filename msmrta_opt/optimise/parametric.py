@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Floats
+from ..interruption import interrupted
 from ..mission.errors import ModelError, SolverError
 from .compile import Compiled
 from .program import Program
@@ -68,12 +69,12 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """The optimal value over [0, 1], complete.
+    """The optimal value over [0, 1].
 
     Parameters
     ----------
     pieces : tuple of Piece
-        In the order of t, without gaps.
+        In the order of t, from 0 without gaps; to 1, unless `interruption` ended it before.
     exact : bool
         Whether the data are rational, so that breakpoints and values are exact; otherwise they hold
         to `TOLERANCE`.
@@ -200,10 +201,10 @@ def envelope(family: Family) -> Envelope:
     """
     before = family.n_solves
     zero, one = Fraction(0), Fraction(1)
-    lines = _between(family, family.solve(zero), family.solve(one))
+    lines, are_all = _between(family, family.solve(zero), family.solve(one))
     pieces: list[Piece] = []
     low = zero
-    for i, line in enumerate(lines):
+    for i, line in enumerate(lines if are_all else lines[:-1]):
         high = _crossing(line, lines[i + 1]) if i + 1 < len(lines) else one
         if high is None or high <= low:
             continue  # optimal at one value only, where its neighbours are too
@@ -212,21 +213,30 @@ def envelope(family: Family) -> Envelope:
     return Envelope(tuple(pieces), family.exact, family.n_solves - before)
 
 
-def _between(family: Family, left: Line, right: Line) -> list[Line]:
-    """The optimal lines from `left` to `right`, both included, in the order of t."""
+def _between(family: Family, left: Line, right: Line) -> tuple[list[Line], bool]:
+    """The optimal lines from `left` to `right`, both included, in the order of t, and whether all.
+
+    Once interrupted, the last is optimal where it begins, but nobody knows how far.
+    """
     # A stack, not a recursion: a program can have more pieces than Python has stack frames.
     found, todo = [left], [right]
-    while todo:
+    while todo and not interrupted():
         t = _crossing(found[-1], todo[-1])
         if t is None or not 0 <= t <= 1:
             found.append(todo.pop())
             continue
-        middle = family.solve(t)
+        try:
+            middle = family.solve(t)
+        except SolverError:
+            if not interrupted():
+                raise
+            break
         if family.better(middle.value(t), found[-1].value(t)):
             todo.append(middle)
         else:
             found.append(todo.pop())
-    return [line for i, line in enumerate(found) if i == 0 or not line.same_line(found[i - 1])]
+    lines = [line for i, line in enumerate(found) if i == 0 or not line.same_line(found[i - 1])]
+    return lines, not todo
 
 
 def _crossing(a: Line, b: Line) -> Fraction | None:

@@ -12,7 +12,7 @@ from ..mission.plan import Plan
 from .canvas import Scale, map_axes, plot_map
 from .clusters import draw_centres, draw_outlines
 from .legends import legend_below, mark_handle, robot_handles
-from .lettering import as_written
+from .lettering import as_written, shortened
 from .marks import Stamp, captions_of, draw_stamps, start_stamp, visit_stamp
 from .style import FAINT, INK, REASONS, STAGES, robot_styles, stage_shapes
 
@@ -94,7 +94,8 @@ def _unserved(plan: Plan) -> list[Stamp]:
 
 def _handles(plan: Plan, *, idle: bool, deferred: bool) -> list[Artist]:
     handles: list[Artist] = [
-        mark_handle(shape, STAGES.get(name, name)) for name, shape in stage_shapes(plan).items()
+        mark_handle(shape, STAGES.get(name, shortened(name)))
+        for name, shape in stage_shapes(plan).items()
     ]
     counts = Counter(item.reason for item in plan.unserved)
     handles += [

@@ -5,22 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache, wraps
 from typing import ParamSpec, TypeVar
+from weakref import WeakKeyDictionary
 
 from matplotlib.artist import Artist
-from matplotlib.font_manager import findfont, fontManager, get_font
+from matplotlib.font_manager import FontProperties, findfont, fontManager, get_font
 from matplotlib.text import Text
 
 Asked = ParamSpec("Asked")
 Drawn = TypeVar("Drawn", bound=Artist)
 
-LONGEST, LONGEST_TITLE = 100, 200
-"""Characters of a line; what is longer would push everything else off the page."""
+LONGEST_NAME, LONGEST_LINE = 40, 200
+"""Characters of a name beside others, and of a line: more would push the rest off the page."""
 BOX = "\N{WHITE SQUARE}"
 """Stands for a character that no font here has."""
 
 
 def as_written(draw: Callable[Asked, Drawn]) -> Callable[Asked, Drawn]:
-    """Make a function that draws leave every text in its picture as it is written.
+    """Make a function that draws show every text of its own as it is written.
 
     Matplotlib takes what stands between two dollar signs for mathematics, and warns of each
     character that its font lacks.
@@ -28,38 +29,62 @@ def as_written(draw: Callable[Asked, Drawn]) -> Callable[Asked, Drawn]:
 
     @wraps(draw)
     def drawing(*arguments: Asked.args, **options: Asked.kwargs) -> Drawn:
+        given = [x for x in (*arguments, *options.values()) if isinstance(x, Artist)]
+        before = {text: text.get_text() for artist in given for text in _texts(artist)}
         drawn = draw(*arguments, **options)
-        for text in drawn.findobj(Text):
-            if isinstance(text, Text) and text.get_text():
+        for text in _texts(drawn):
+            if text.get_text() not in ("", before.get(text), _plain.get(text)):
                 _set_plainly(text)
         return drawn
 
     return drawing
 
 
-def shortened(text: str, longest: int = LONGEST) -> str:
+def write_plainly(drawn: Artist) -> None:
+    """Show every text of a finished picture as it is written, once."""
+    for text in _texts(drawn):
+        if text.get_text() not in ("", _plain.get(text)):
+            _set_plainly(text)
+
+
+def shortened(text: str, longest: int = LONGEST_NAME) -> str:
     """`text`, each of its lines cut to so many characters."""
     lines = text.split("\n")
     return "\n".join(x if len(x) <= longest else f"{x[: longest - 1]}…" for x in lines)
 
 
+_plain: WeakKeyDictionary[Text, str] = WeakKeyDictionary()
+"""Texts that are set plainly already, by a picture that is a part of another."""
+
+
+def _texts(artist: Artist) -> list[Text]:
+    return [found for found in artist.findobj(Text) if isinstance(found, Text)]
+
+
+def plain(name: str) -> str:
+    """`name` for a tick's label, which takes its text anew, as it was given, whenever it is drawn."""
+    return _escaped(_fonts_for(shortened(name), FontProperties())[1])
+
+
+def _escaped(text: str) -> str:
+    return text.replace("$", r"\$")
+
+
 def _set_plainly(text: Text) -> None:
-    said = text.get_text()
-    is_title = float(text.get_fontsize()) >= 10
-    plain = shortened(said, LONGEST_TITLE if is_title else LONGEST)
-    if "$" in said:
-        text.set_parse_math(False)
-    if not plain.isascii() or not plain.replace("\n", "").isprintable():
-        own = findfont(text.get_fontproperties())
-        fonts, plain = _fonts_for(plain, own)
-        if fonts:
-            text.set_fontfamily([*text.get_fontfamily(), *fonts])
-    if plain != said:
-        text.set_text(plain)
+    font = text.get_fontproperties()
+    fonts, said = _fonts_for(shortened(text.get_text(), LONGEST_LINE), font)
+    if fonts:
+        text.set_fontfamily([*text.get_fontfamily(), *fonts])
+    # Not `set_parse_math`, which would stay with the title of axes whatever is written there later.
+    text.set_text(_escaped(said))
+    _plain[text] = text.get_text()
 
 
-def _fonts_for(text: str, own: str) -> tuple[Sequence[str], str]:
-    """The families that have what the font file `own` lacks, and the text with boxes for the rest."""
+def _fonts_for(text: str, font: FontProperties) -> tuple[Sequence[str], str]:
+    """The families that have what `font` lacks, and the text with boxes for what none has."""
+    if text.isascii() and text.replace("\n", "").isprintable():
+        return (), text
+    own = findfont(font)
     missing = {letter for letter in text if ord(letter) not in _letters(own)} - {"\n"}
     families: dict[str, None] = {}
     for entry in _fonts() if any(letter.isprintable() for letter in missing) else ():

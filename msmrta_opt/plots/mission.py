@@ -13,7 +13,7 @@ from .canvas import panel_size
 from .figure import Picture
 from .gantt import gantt_height, plot_gantt
 from .legends import LEGEND_FONT, robot_handles
-from .lettering import as_written
+from .lettering import as_written, shortened
 from .paths import plot_paths
 from .scouting import plot_scouting
 from .style import robot_styles
@@ -81,10 +81,10 @@ def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
 def _title(plan: Plan) -> str:
     figures = plan.metrics
     instance = plan.instance
-    name = instance.name or "unnamed mission"
+    name = shortened(instance.name, 80) or "unnamed mission"
     size = f"{_count(instance.n_robots, 'robot')}, {_count(instance.n_victims, 'victim')}"
     return (
-        f"{name}: {size}, planned by {plan.planner}\n"
+        f"{name}: {size}, planned by {shortened(plan.planner)}\n"
         f"{figures.n_served} of {figures.n_available} available requirements served · "
         f"{figures.distance} cells walked · makespan {figures.makespan:g} · "
         f"total time {figures.total_time:g} · "

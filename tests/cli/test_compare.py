@@ -65,7 +65,7 @@ def test_formulations_and_solvers_are_shown_in_tables_and_agree(
     assert values["paper", "cluster_printed", "highs"] == "6.25"
     assert "Shifted geometric mean times" in means
     assert [word in measured for word in ("Eq. 1", "Eq. 2", "B2", "makespan")] == [True] * 4
-    assert "all answers agree" in shown
+    assert "all solutions agree" in shown
 
 
 def test_rows_are_written_as_csv_parquet_and_json_and_the_profile_as_a_picture(
@@ -117,7 +117,7 @@ def test_a_folder_of_models_is_compared_by_itself_and_a_fault_leaves_the_rest_wh
         ("wrong_kill", "error"),
         ("wrong_syntax", "error"),
     ] * 2
-    assert "4 of 6 solves gave no answer" in capsys.readouterr().out
+    assert "4 of 6 solves gave no solution" in capsys.readouterr().out
 
 
 def test_no_answer_at_all_is_exit_status_1(
@@ -135,7 +135,7 @@ def test_a_disagreement_is_shown_and_sets_the_exit_status(
     assert run(*ONE, solvers="highs,scip") == 1
     shown = " ".join(capsys.readouterr().out.split())
     assert "disagreement: cluster_one_to_one on paper: highs has 1, but scip proves" in shown
-    assert "all answers agree" not in shown
+    assert "all solutions agree" not in shown
 
 
 def _liar(todo: list[Solve], **_: object) -> Iterator[Record]:

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from ...interruption import interrupted
 from ...mission.instance import Instance
 from ...mission.metrics import Metrics
 from ...mission.plan import Plan
@@ -22,7 +24,7 @@ from ...routing.incumbent import Progress
 from ...routing.methods import close_in
 from ...routing.objectives import DEFAULT, objective_of
 from ...routing.problem import RoutingData
-from ...routing.stop import MaximumRuntime, relative_gap
+from ...routing.stop import Interruption, MaximumRuntime, relative_gap
 from ...stages.joint_routing import routing_data
 from ...stages.situation import Situation
 
@@ -83,18 +85,25 @@ def price_of_staging(
         For each of the four steps.
     seed : int
         Of the search.
+
+    Returns
+    -------
+    list of Loss
+        Of each step; of those alone that were begun, where `interruption` ends it.
     """
     situation = Situation.of(plan.known)
     data = routing_data(situation)
     routes = routes_of(plan)
     before = objective_of(objective).of_plan(plan.metrics)
     losses = []
+    ctrl_c = Interruption(interrupted)
     for stage, kept in STEPS:
+        if interrupted():
+            break
         restricted = replace(data, able=_able_with(plan, data, kept))
-        begin = ruin_and_recreate(
-            restricted, routes, objective, stop=MaximumRuntime(0.1 * seconds), seed=seed
-        )
-        progress = Progress(restricted, objective, begin, stop=MaximumRuntime(seconds))
+        search = MaximumRuntime(0.1 * seconds) | ctrl_c
+        begin = ruin_and_recreate(restricted, routes, objective, stop=search, seed=seed)
+        progress = Progress(restricted, objective, begin, stop=MaximumRuntime(seconds) | ctrl_c)
         bound = close_in(progress, seed=seed)
         routes, after = progress.routes, progress.value
         losses.append(Loss(stage, before, after, bound.value))
@@ -133,18 +142,25 @@ def candidates(
         Which; the staged one is planned by both of its presets.
     seconds : float
         For the exact planner.
+
+    Returns
+    -------
+    list of Candidate
+        The exact planner's last; without those that `interruption` left no time for.
     """
     exact = make_plan(mission, planner="exact", objective=objective, time_limit=seconds, seed=seed)
     bound = exact.certificates[0].bound or 0.0
     plans: dict[str, Plan] = {}
+    improved: dict[str, Any] = {"improve": 1.0, "objective": objective}
     for name in planners:
         for preset in ("paper", "authors") if name == "msmrta" else (None,):
             title = name if preset is None else f"{name}, {preset}"
-            options = {"seed": seed} if preset is None else {"seed": seed, "preset": preset}
-            plans[title] = make_plan(mission, planner=name, **options)
-            plans[f"{title}, improved"] = make_plan(
-                mission, planner=name, improve=1.0, objective=objective, **options
+            options: dict[str, Any] = {"seed": seed} | (
+                {} if preset is None else {"preset": preset}
             )
+            for words, more in (("", {}), (", improved", improved)):
+                if not interrupted():
+                    plans[title + words] = make_plan(mission, planner=name, **options, **more)
     plans["exact"] = exact
     return [
         Candidate(name, plan.metrics, objective_of(objective).of_plan(plan.metrics), bound)

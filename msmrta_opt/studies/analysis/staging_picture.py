@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from ...plots.figure import own_axes
 from ...plots.legends import legend_below
-from ...plots.lettering import as_written
+from ...plots.lettering import as_written, plain
 from ...plots.style import PALETTE
 from .staging import Loss
 
@@ -34,6 +34,7 @@ def staging_losses(
         The objective on x, in time units; a row per mission.
     """
     ax = own_axes(9, 1.9 + 0.35 * len(priced)) if ax is None else ax
+    priced = {name: losses for name, losses in priced.items() if losses}
     for row, losses in enumerate(priced.values()):
         left = losses[-1].after
         ax.barh(row, left, color="#D9D9D9", edgecolor="white", label="all free" if not row else "")
@@ -42,7 +43,7 @@ def staging_losses(
             ax.barh(row, item.loss, left=left, color=PALETTE[i], edgecolor="white", label=label)
             left += item.loss
         ax.text(left, row, f" {left:.1f}", va="center")
-    ax.set_yticks(range(len(priced)), list(priced))
+    ax.set_yticks(range(len(priced)), [plain(name) for name in priced])
     ax.invert_yaxis()
     ax.set_xlabel(f"{objective.replace('_', ' ')} (time units)")
     ax.set_title("What each stage of the staged plan costs")

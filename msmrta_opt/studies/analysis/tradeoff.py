@@ -8,14 +8,15 @@ cut by the breakpoints of β there. Within a region the plan stays the same, up 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, Literal, overload
+from typing import Any, Literal, TypeVar, overload
 
 import numpy as np
 
-from ...mission.errors import InputError
+from ...interruption import interrupted
+from ...mission.errors import InputError, MsmrtaError
 from ...mission.instance import Instance
 from ...mission.metrics import Metrics
 from ...mission.plan import Plan
@@ -30,6 +31,8 @@ from ...stages.options import StagedOptions
 
 Over = Literal["psi", "beta"]
 STAGE: dict[str, str] = {"psi": "cluster", "beta": "victim"}
+Item = TypeVar("Item")
+Done = TypeVar("Done")
 MOST_TIES = 20
 """Most optimal assignments that are reported of one breakpoint."""
 
@@ -75,7 +78,7 @@ class Tradeoff:
     Parameters
     ----------
     segments : tuple of Segment
-        In order, covering [0, 1].
+        In order, covering [0, 1]; only the first of it, if `interruption` ended it.
     ties : dict of Fraction to tuple of Assignment
         At each breakpoint all optimal assignments, up to `MOST_TIES`.
     more_ties : frozenset of Fraction
@@ -201,22 +204,20 @@ def tradeoff(
     settings = _settings(options, stage, model)
     chosen = getattr(settings, f"{stage}_model")
     problem = _Problem(mission, over, chosen, settings)
-    segments = tuple(_segment(problem, piece) for piece in problem.envelope.pieces)
     family, pieces = problem.family, problem.envelope
-    ties, more = {}, set()
-    for t in pieces.breakpoints:
-        lines, all_of_them = optima(family, t, most=MOST_TIES)
-        ties[t] = tuple(assignment(family, line) for line in lines)
-        if not all_of_them:
-            more.add(t)
+    segments = _in_time(pieces.pieces, lambda piece: _segment(problem, piece))
+    if not segments:
+        raise KeyboardInterrupt  # which alone leaves none
+    breakpoints = [segment.low for segment in segments[1:]]
+    found = _in_time(breakpoints, lambda t: (t, *optima(family, t, most=MOST_TIES)))
     front = frontier(family, pieces)
     return Tradeoff(
         over=over,
         model=chosen,
         sense=family.program.sense,
-        segments=segments,
-        ties=ties,
-        more_ties=frozenset(more),
+        segments=tuple(segments),
+        ties={t: tuple(assignment(family, line) for line in lines) for t, lines, _ in found},
+        more_ties=frozenset(t for t, _, are_all in found if not are_all),
         frontier=front,
         frontier_assignments=tuple(assignment(family, point.line) for point in front.points),
         names=_names(over, segments[0].plan),
@@ -246,30 +247,47 @@ def tradeoff_regions(mission: Instance, **options: Any) -> Regions:
     """
     settings = _settings(options, "cluster", None)
     eq1 = _Problem(mission, "psi", settings.cluster_model, settings)
-    regions: list[Region] = []
-    exact, n_solves = eq1.envelope.exact, eq1.envelope.n_solves
-    for strip in eq1.envelope.pieces:
-        here = replace(settings, psi=_middle(strip.low, strip.high))
-        one_post = eq1.is_unique(strip)
-        for low, high, one_choice, eq2 in _beta_intervals(mission, here):
-            plan = make_plan(mission, **replace(here, beta=_middle(low, high)).as_dict())
-            unique = one_post and one_choice
-            regions.append(Region((strip.low, strip.high), (low, high), plan, unique))
-            if eq2 is not None and low == 0:
-                exact, n_solves = exact and eq2.exact, n_solves + eq2.n_solves
-    return Regions(tuple(regions), exact, n_solves)
+    strips = _in_time(eq1.envelope.pieces, lambda strip: _strip(mission, settings, eq1, strip))
+    regions = tuple(region for found, _ in strips for region in found)
+    if not regions:
+        raise KeyboardInterrupt  # which alone leaves none
+    envelopes = [eq1.envelope, *(eq2 for _, eq2 in strips if eq2 is not None)]
+    return Regions(regions, all(x.exact for x in envelopes), sum(x.n_solves for x in envelopes))
 
 
-def _beta_intervals(
-    mission: Instance, settings: StagedOptions
-) -> list[tuple[Fraction, Fraction, bool, Envelope | None]]:
-    """Per interval of β its ends, whether its optimum is unique, and the envelope it is of."""
-    if not stage_data(mission, "victim", settings).can_serve.any():
-        return [(Fraction(0), Fraction(1), True, None)]
-    eq2 = _Problem(mission, "beta", settings.victim_model, settings)
-    return [
-        (piece.low, piece.high, eq2.is_unique(piece), eq2.envelope) for piece in eq2.envelope.pieces
-    ]
+def _strip(
+    mission: Instance, settings: StagedOptions, eq1: _Problem, strip: Piece
+) -> tuple[list[Region], Envelope | None]:
+    """The regions over one piece of ψ, and the envelope of Eq. 2 there, if it has anything to decide."""
+    here = replace(settings, psi=_middle(strip.low, strip.high))
+    one_post, pieces = eq1.is_unique(strip), [(Fraction(0), Fraction(1), True)]
+    eq2 = None
+    if stage_data(mission, "victim", here).can_serve.any():
+        problem = _Problem(mission, "beta", here.victim_model, here)
+        eq2 = problem.envelope
+        pieces = _in_time(eq2.pieces, lambda x: (x.low, x.high, problem.is_unique(x)))
+
+    def region(piece: tuple[Fraction, Fraction, bool]) -> Region:
+        low, high, one_choice = piece
+        plan = make_plan(mission, **replace(here, beta=_middle(low, high)).as_dict())
+        return Region((strip.low, strip.high), (low, high), plan, one_post and one_choice)
+
+    return _in_time(pieces, region), eq2
+
+
+def _in_time(items: Iterable[Item], do: Callable[[Item], Done]) -> list[Done]:
+    """What comes of each of `items`, until `interruption`: of those that are whole by then."""
+    done: list[Done] = []
+    for item in items:
+        if interrupted():
+            break
+        try:
+            done.append(do(item))
+        except MsmrtaError:  # a solver that was interrupted has no proven optimum
+            if not interrupted():
+                raise
+            break
+    return done
 
 
 class _Problem:

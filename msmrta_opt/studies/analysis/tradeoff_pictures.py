@@ -26,7 +26,7 @@ from ...mission.plan import Plan
 from ...plots.canvas import panel_size
 from ...plots.figure import Picture, own_axes, size_of
 from ...plots.legends import legend_below
-from ...plots.lettering import as_written
+from ...plots.lettering import as_written, shortened
 from ...plots.paths import plot_paths
 from ...plots.style import FAINT, INK, PALETTE
 from .tradeoff import Assignment, Region, Regions, Segment, Tradeoff
@@ -63,14 +63,14 @@ def plot_value(result: Tradeoff, ax: Axes | None = None) -> Axes:
     """
     ax = own_axes(6.5, 4.2) if ax is None else ax
     ends = np.array([(float(s.low), float(s.high)) for s in result.segments])
-    edges = np.append(ends[:, 0], 1.0)
+    edges = np.append(ends[:, 0], ends[-1, 1])
     for which, (colour, line) in enumerate(((GREEN, "--"), (VERMILION, ":"))):
         steps = np.array([float(s.objectives[which]) for s in result.segments])
         label = f"{OBJECTIVES[result.over][which]} of the optimum"
         ax.stairs(
             steps, edges, baseline=None, color=colour, linestyle=line, linewidth=1.8, label=label
         )
-    corners = [*(s.low for s in result.segments), Fraction(1)]
+    corners = [*(s.low for s in result.segments), result.segments[-1].high]
     values = [float(result.at(t).value(t)) for t in corners]
     ax.plot([float(t) for t in corners], values, color=BLUE, linewidth=2.6, label="optimal value")
     ax.plot(
@@ -219,7 +219,7 @@ def tradeoff_figure(result: Tradeoff, *, breakpoint_: Fraction | None = None) ->
     top, middle, bottom = parts
     exact = "exact" if result.exact else "to 1e-9"
     figure.suptitle(
-        f"{instance.name or 'unnamed mission'}: {SYMBOL[result.over]} in {result.model}"
+        f"{shortened(instance.name, 80) or 'unnamed mission'}: {SYMBOL[result.over]} in {result.model}"
         f" ({exact}, {result.n_solves} solves)",
         fontsize=12,
     )
@@ -248,7 +248,7 @@ def regions_figure(regions: Regions) -> Figure:
     top, bottom = parts
     exact = "exact" if regions.exact else "to 1e-9"
     figure.suptitle(
-        f"{instance.name or 'unnamed mission'}: {len(regions.regions)} regions of ψ × β, "
+        f"{shortened(instance.name, 80) or 'unnamed mission'}: {len(regions.regions)} regions of ψ × β, "
         f"{len(plans)} different plans ({exact}, {regions.n_solves} solves)\n"
         "a number names a plan; hatched where it is one of several optimal ones",
         fontsize=12,

@@ -44,16 +44,13 @@ def write_report(
     InputError
         If `folder` holds something else than a report, or cannot be written.
     """
-    from matplotlib import rc_context
-
     from .content import sections
     from .folder import PAGE, replaced_folder
     from .render import write_page
     from .runs import table_of
 
     folder = Path(folder)
-    # A name with dollar signs is a name, not mathematics.
-    with replaced_folder(folder) as fresh, rc_context({"text.parse_math": False}):
+    with replaced_folder(folder) as fresh:
         runs = table_of(records)
         write_page(fresh, study, runs, sections(study, runs), expected=expected)
     return folder / PAGE

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from ...mission.metrics import METRICS, metrics_of
+from ...plots.lettering import shortened
 from ...plots.style import FAINT, INK
 from .blocks import Cell, HeatMaps, MapHeat, Panel
 from .runs import METHODS, contenders
@@ -176,7 +177,7 @@ def _sheet(maps: Sequence[MapHeat], title: str) -> Figure:
         for panel in item.panels:
             _draw_panel(ax, panel, columns[panel.contender] * (1 + GAP), row * 1.32)
         ax.text(
-            -0.27, row * 1.32 + 0.5, item.map, rotation=90, ha="center", va="center",
+            -0.27, row * 1.32 + 0.5, shortened(item.map), rotation=90, ha="center", va="center",
             fontsize=10, weight="bold",
         )  # fmt: skip
         ramp = COLOURS(np.linspace(1, 0, 64))[:, None]
@@ -217,5 +218,6 @@ def _draw_panel(ax: Axes, panel: Panel, left: float, top: float) -> None:
         )
     ax.text(left + 0.5, top + 1.11, "victims", ha="center", va="top", fontsize=7)
     ax.text(left - 0.13, top + 0.5, "robots", rotation=90, ha="center", va="center", fontsize=7)
-    name = panel.contender if len(panel.contender) < 36 else f"{panel.contender[:35]}…"
-    ax.text(left + 0.5, top - 0.03, name, ha="center", va="bottom", fontsize=8)
+    ax.text(
+        left + 0.5, top - 0.03, shortened(panel.contender, 36), ha="center", va="bottom", fontsize=8
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from ...plots.lettering import plain
 from ...plots.style import INK, PALETTE
 from ..record import FINISHED
 from .blocks import Picture
@@ -37,7 +38,7 @@ def outcome_picture(runs: pd.DataFrame) -> Picture:
             edgecolor=PAPER, linewidth=0.5,
         )  # fmt: skip
         left += shares[name]
-    ax.set_yticks(range(len(names)), [_short(name) for name in names], color=INK)
+    ax.set_yticks(range(len(names)), [plain(name) for name in names], color=INK)
     ax.invert_yaxis()
     ax.set_xlim(0, 100)
     ax.set_xlabel("runs (%)")
@@ -52,7 +53,3 @@ def outcome_picture(runs: pd.DataFrame) -> Picture:
         figure,
         counts.rename_axis(columns=None).reset_index(),
     )
-
-
-def _short(name: str, most: int = 34) -> str:
-    return name if len(name) <= most else f"{name[: most - 1]}…"

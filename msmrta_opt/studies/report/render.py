@@ -14,6 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from ...mission.files import write_text
+from ...plots.lettering import write_plainly
 from ...plots.saving import save_figure
 from .blocks import Block, HeatMaps, Picture, Section, Table
 from .folder import DATA, FIGURES, MARK, PAGE
@@ -132,6 +133,7 @@ def _write_files(block: Block, folder: Path) -> None:
 
 
 def _write_png(picture: Figure, path: Path) -> None:
+    write_plainly(picture)
     save_figure(picture, path, dpi=min(DPI, MOST_PIXELS / max(picture.get_size_inches())))
 
 

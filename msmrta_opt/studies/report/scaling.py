@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import ArrayLike
 
+from ...plots.lettering import shortened
 from ...plots.style import INK
 from .blocks import Picture, Table
 from .runs import METHODS, contenders, per_instance
@@ -126,7 +127,11 @@ def draw(growth: Growth, looks: Mapping[str, Mapping[str, Any]], method: str) ->
     for contender, mine in growth.data.groupby("contender", sort=False):
         look = looks[contender]
         law = growth.fits.get(contender)
-        label = contender if law is None else f"{contender}: exponent {_plus_minus(law)}"
+        label = (
+            shortened(contender)
+            if law is None
+            else f"{shortened(contender)}: exponent {_plus_minus(law)}"
+        )
         size = mine["size"].to_numpy(float)
         ax.plot(size, mine["median (s)"], **look, linewidth=1.8, markersize=5, label=label)
         if (mine["instances"] > 1).any():
@@ -155,7 +160,7 @@ def draw(growth: Growth, looks: Mapping[str, Mapping[str, Any]], method: str) ->
         ax.yaxis.set_minor_locator(NullLocator())
     ax.set_xlabel(growth.over)
     ax.set_ylabel(f"{METHODS[method]} (s)")
-    ax.set_title(f"{growth.map}{_fixed(growth)}", fontsize=11, color=INK)
+    ax.set_title(f"{shortened(growth.map)}{_fixed(growth)}", fontsize=11, color=INK)
     add_legend(figure, ax)
     return figure
 

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from msmrta_opt.cli import run
+from msmrta_opt.interruption import interruptible
 from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import plan
+from msmrta_opt.studies.analysis import staging
 from msmrta_opt.studies.analysis.staging import candidates, price_of_staging
 
 INSTANCES = Path(__file__).parents[3] / "instances"
@@ -77,3 +83,40 @@ def test_the_command_prints_both_tables_and_draws(
     assert "two_rooms: plans by latency" in capsys.readouterr().out
     assert run([*arguments, "--objective", "duration"]) == 2
     assert "total_time, makespan, latency" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("after", "plans"), [(1, 1), (3, 3), (4, 4)])
+def test_ctrl_c_ends_the_whole_with_what_there_is(
+    after: int,
+    plans: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """One Ctrl-C, sent as a plan is made, ends this mission's comparison and those that follow."""
+    made = 0
+
+    def plan_and_interrupt(*arguments: Any, **options: Any) -> Plan:
+        nonlocal made
+        made += 1
+        if made == after:
+            os.kill(os.getpid(), signal.SIGINT)
+        return plan(*arguments, **options)
+
+    monkeypatch.setattr(staging, "make_plan", plan_and_interrupt)
+    missions = [str(INSTANCES / f"{name}.json") for name in ("two_rooms", "split")]
+    picture = tmp_path / "losses.png"
+    arguments = ["compare-plans", *missions, "--seconds", "1", "--figure", str(picture)]
+    assert run(arguments) == 130
+    assert made == plans
+    told = capsys.readouterr().out
+    assert "two_rooms: plans by total_time" in told
+    assert "exact" in told
+    assert "split" not in told
+    assert not picture.exists(), "there is nothing to draw yet"
+
+
+def test_ctrl_c_between_two_steps_keeps_those_that_were_made(paper: Instance) -> None:
+    with interruptible():
+        os.kill(os.getpid(), signal.SIGINT)
+        assert price_of_staging(plan(paper)) == []

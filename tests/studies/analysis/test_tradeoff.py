@@ -4,20 +4,28 @@ from __future__ import annotations
 
 import csv
 import itertools
+import os
 import random
+import signal
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from msmrta_opt.cli import run
+from msmrta_opt.interruption import interruptible
 from msmrta_opt.mission.errors import InputError, ModelError
 from msmrta_opt.mission.generate import random_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
+from msmrta_opt.mission.plan import Plan
+from msmrta_opt.optimise.parametric import Family, Line, envelope
 from msmrta_opt.planners import plan
-from msmrta_opt.studies.analysis.tradeoff import tradeoff, tradeoff_regions
+from msmrta_opt.stages.options import StagedOptions
+from msmrta_opt.studies.analysis import tradeoff as tradeoffs
+from msmrta_opt.studies.analysis.tradeoff import _Problem, tradeoff, tradeoff_regions
 from msmrta_opt.studies.analysis.tradeoff_pictures import apart, plot_value
 
 INSTANCES = Path(__file__).parents[3] / "instances"
@@ -97,6 +105,57 @@ def test_the_command_shows_the_square(tmp_path: Path, capsys: pytest.CaptureFixt
     assert run(["tradeoff", str(PAPER), "--over", "psi,beta", "--figure", str(picture)]) == 0
     assert "3 regions, 3 different plans" in capsys.readouterr().out
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("over", "plans", "rows"),
+    [("psi", 1, 1), ("beta", 1, 1), ("beta", 2, 2), ("psi,beta", 2, 2)],
+)
+def test_ctrl_c_keeps_the_pieces_that_are_whole_by_then(
+    over: str,
+    plans: int,
+    rows: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    made = 0
+
+    def plan_and_interrupt(*arguments: Any, **options: Any) -> Plan:
+        nonlocal made
+        made += 1
+        if made == plans:
+            os.kill(os.getpid(), signal.SIGINT)
+        return plan(*arguments, **options)
+
+    monkeypatch.setattr(tradeoffs, "make_plan", plan_and_interrupt)
+    table, picture = tmp_path / "pieces.csv", tmp_path / "pieces.png"
+    outputs = ["--csv", str(table), "--figure", str(picture)]
+    assert run(["tradeoff", str(PAPER), "--over", over, *outputs]) == 130
+    assert made == plans
+    with table.open() as file:
+        assert len(list(csv.DictReader(file))) == rows
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert f"interrupted: what is shown of {over} is not all there is" in capsys.readouterr().out
+
+
+def test_pieces_that_are_proved_before_ctrl_c_are_those_of_the_whole(
+    paper: Instance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = tradeoff(paper, "beta")
+    solved = Family.solve
+
+    def solve_and_interrupt(family: Family, t: Fraction) -> Line:
+        if family.n_solves == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+        return solved(family, t)
+
+    monkeypatch.setattr(Family, "solve", solve_and_interrupt)
+    with interruptible():
+        found = envelope(_Problem(paper, "beta", whole.model, StagedOptions()).family)
+    pieces = [(piece.low, piece.high) for piece in found.pieces]
+    assert pieces == [(piece.low, piece.high) for piece in whole.segments][: len(pieces)]
+    assert len(pieces) < len(whole.segments)
 
 
 def test_an_unknown_parameter_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+import warnings
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -178,12 +179,14 @@ def test_results_that_nothing_can_be_made_of_still_make_a_report(
 def test_names_and_errors_are_shown_and_never_run(tmp_path: Path) -> None:
     records = [
         record(f"{n}x{m}{NASTY}", who, n * m / 1e3, map=NASTY, n_robots=n, n_victims=m)
-        for who in (NASTY, r"$\frac{$ & <b>")
+        for who in (NASTY, r"$\frac{$ & <b>", "\N{CJK UNIFIED IDEOGRAPH-6551}\x07" + 2000 * "long ")
         for n in (2, 3)
         for m in (10, 20, 30)
     ]
     records.append(record("lost", NASTY, outcome="raised", error=NASTY, map=NASTY))
-    page = written(tmp_path / "nasty", records, title=NASTY, report={"baseline": NASTY})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        page = written(tmp_path / "nasty", records, title=NASTY, report={"baseline": NASTY})
     assert not page.all("script")
     assert page.text.count(NASTY) > 5
 
