@@ -66,7 +66,7 @@ def assert_survives(
         )
         commands += [("plan", path), ("scout", path, "--steps", "3")]
     elif suffix == ".map":
-        commands = [("generate", "--map", path, "--robots", "1", "--victims", "1")]
+        commands = [("generate", "--map", path, "--robots", "1", "--victims", "1", "--kinds", "1")]
     for command in commands:
         status = msmrta(*command)
         said = capsys.readouterr()

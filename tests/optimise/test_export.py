@@ -239,14 +239,14 @@ def test_variables_in_no_row_keep_their_place_and_kind(suffix: str) -> None:
 
 @both_formats
 def test_rows_beyond_what_solvers_keep_are_multiplied_by_a_power_of_two(suffix: str) -> None:
-    # At least a second, in nanoseconds; and a big M. Both are read as the same rows, in other units.
-    trial = program([[1e-9, 0], [1, -1e16]], [INF, 0], [1, 1], row_lower=[1, -INF], upper=1e12)
+    # At least a second, in nanoseconds; and rates a year. Both are the same rows, in other units.
+    trial = program([[1e-9, 0], [1e9, -1e16]], [INF, 0], [1, 1], row_lower=[1, -INF], upper=1e12)
     again = reread(trial, suffix)
     sizes = np.abs(again.matrix.data)
     assert ((sizes > 1e-9) & (sizes < 1e15)).all()
-    waiting, big = again.row_lower[0], again.matrix[1, 0]
-    assert [np.log2(factor) % 1 for factor in (waiting, big)] == [0, 0]
-    assert again.matrix.toarray().tolist() == [[1e-9 * waiting, 0], [big, -1e16 * big]]
+    waiting, rate = again.row_lower[0], again.matrix[1, 0] / 1e9
+    assert [np.log2(factor) % 1 for factor in (waiting, rate)] == [0, 0]
+    assert again.matrix.toarray().tolist() == [[1e-9 * waiting, 0], [1e9 * rate, -1e16 * rate]]
 
 
 @both_formats
@@ -255,12 +255,17 @@ def test_rows_beyond_what_solvers_keep_are_multiplied_by_a_power_of_two(suffix: 
     [
         (
             program([[1e-9, 1e16]], 1, [1, 1]),
-            r"row 'row 0': coefficient 1e-09 of 'x\[0\]' beside 1e\+16 of 'x\[1\]'; no scaling",
+            r"row 'row 0': coefficient 1e\+16 of 'x\[1\]' beside 1e-09 of 'x\[0\]'; solvers take none",
         ),
         (
-            program([[1, INF]], 1, [1, 1]),
-            r"row 'row 0': coefficient 1 of 'x\[0\]' beside inf of 'x\[1",
+            program([[1, -1e16]], 0, [1, 1]),
+            r"row 'row 0': coefficient 1e\+16 of 'x\[1\]' beside 1 of",
         ),
+        (
+            program([[1e-9, 99]], 0, [1, 1]),
+            r"row 'row 0': coefficient 1e-09 of 'x\[0\]' beside 99 of",
+        ),
+        (program([[1, INF]], 1, [1, 1]), r"row 'row 0': coefficient inf of 'x\[1\]' beside 1 of"),
         (program([[1, np.nan]], 1, [1, 1]), "row 'row 0': coefficient nan"),
         (
             program([[1, 1]], 1e20, [1, 1]),

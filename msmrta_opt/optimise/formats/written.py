@@ -6,7 +6,7 @@ What HiGHS, SCIP, GLPK and CBC do not read alike is written in a way in which th
   the coefficient of one more variable, fixed at 1;
 - a row with two different sides, which none of them reads in LP files, is two rows;
 - a row with coefficients beyond what they keep (HiGHS drops 1e-9 and refuses 1e15) is multiplied by a
-  power of two;
+  power of two, or refused;
 - a program without rows, which GLPK does not read, gets one that always holds.
 
 `draft` undoes all but the powers of two.
@@ -40,6 +40,9 @@ LONGEST = 96
 
 SMALLEST, LARGEST = 1e-9, 1e15
 """Coefficients of rows lie between these, exclusive: HiGHS drops the others or refuses them."""
+
+WIDEST = 1e10
+"""Ratio of the coefficients of a row that is scaled; of a wider one the small ones lose their effect."""
 
 INFINITE = 1e20
 """Costs, sides of rows and bounds of this size are infinite to all readers but GLPK."""
@@ -210,12 +213,12 @@ def _scaled(
         # The two are brought to the same distance from 1.
         exponents = np.log2([sizes[smallest], sizes[largest]])
         scale[i] = 2.0 ** -round(exponents.mean()) if np.isfinite(exponents).all() else np.nan
-        if not (sizes[smallest] * scale[i] > SMALLEST and sizes[largest] * scale[i] < LARGEST):
+        if not sizes[largest] <= WIDEST * sizes[smallest]:
+            one, other = (smallest, largest) if sizes[largest] < LARGEST else (largest, smallest)
             raise ModelError(
-                f"row {shown(rows[i])}: coefficient {sizes[smallest]:g} of "
-                f"{shown(columns[at[smallest]])} beside "
-                f"{sizes[largest]:g} of {shown(columns[at[largest]])}; no scaling brings both between "
-                f"{SMALLEST:g} and {LARGEST:g}, which is what solvers take"
+                f"row {shown(rows[i])}: coefficient {sizes[one]:g} of {shown(columns[at[one]])} "
+                f"beside {sizes[other]:g} of {shown(columns[at[other]])}; solvers take none beyond "
+                f"{SMALLEST:g} and {LARGEST:g}, and no scaling helps; give other units"
             )
     low, high = low * scale, high * scale
     wrong = ~(_is_side(low, -np.inf) & _is_side(high, np.inf))
