@@ -84,7 +84,7 @@ def mission(size: str, number: int) -> mo.Instance:
         return mo.Instance.read(INSTANCES / "paper.json")
     n_robots, n_victims = (int(part) for part in size.split("x"))
     grid = mo.read_map(INSTANCES / "maps" / f"map{MAPS[number % len(MAPS)]}.map")
-    return mo.random_mission(grid, n_robots, n_victims, seed=FIRST_SEED + number)
+    return mo.generate_mission(grid, n_robots, n_victims, seed=FIRST_SEED + number, solvable=False)
 
 
 def follow(size: str, number: int, objective: str, seconds: float) -> Followed:

@@ -92,7 +92,7 @@ def mission(number: int) -> tuple[mo.Instance, dict[str, Any]]:
     robots may have to return or keep to limits.
     """
     chance = random.Random(number)
-    made = mo.random_mission(
+    made = mo.generate_mission(
         grid(chance.randrange(4)),
         chance.randint(1, 5),
         chance.randint(0, 9),
@@ -100,6 +100,7 @@ def mission(number: int) -> tuple[mo.Instance, dict[str, Any]]:
         per_robot=(chance.randint(0, 1), 3),
         per_victim=(0, 3),
         speeds=chance.choice(SPEEDS),
+        solvable=False,
     )
     if chance.random() < 0.5:
         made = made.replace(

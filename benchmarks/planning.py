@@ -64,7 +64,7 @@ def measure(grid: mo.GridMap, n_robots: int, n_victims: int, repetitions: int) -
     stages: dict[str, list[float]] = {}
     floors, assigned, whole = [], [], []
     for seed in range(repetitions):
-        mission = mo.random_mission(grid, n_robots, n_victims, seed=seed)
+        mission = mo.generate_mission(grid, n_robots, n_victims, seed=seed, solvable=False)
         began = time.perf_counter()
         plan = mo.plan(mission)
         whole.append(time.perf_counter() - began)
@@ -118,7 +118,7 @@ def main() -> None:
     parser.add_argument("--maps", type=Path, default=MAPS)
     arguments = parser.parse_args()
     grids = [mo.read_map(path) for path in sorted(arguments.maps.glob("*.map"))]
-    mo.plan(mo.random_mission(grids[0], 2, 10, seed=0))  # loads the libraries
+    mo.plan(mo.generate_mission(grids[0], 2, 10, seed=0, solvable=False))  # loads the libraries
 
     with threadpool_limits(1):
         rows = measure_all(grids, arguments.repetitions)

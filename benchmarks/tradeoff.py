@@ -43,7 +43,7 @@ def main() -> None:
     grid = mo.read_map(MAP)
     ratios = []
     for seed in range(parser.parse_args().seeds + 1):
-        mission = mo.random_mission(grid, 10, 100, seed=seed)
+        mission = mo.generate_mission(grid, 10, 100, seed=seed, solvable=False)
         data = mo.stage_data(mission, "cluster")
         began = time.perf_counter()
         pieces = envelope(Family(compile_for(MODEL, data), "psi"))

@@ -1,16 +1,13 @@
-"""Random missions, the same for the same seed on every machine.
-
-`random_mission` draws everything freely, so some requirements may be of kinds that no robot has.
-`generate_mission` makes missions that can be solved, or lack exactly what they are told to lack.
-"""
+"""Random missions, the same for the same seed on every machine."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Bools, Ints
 from .errors import InputError
 from .grid import Cell, GridMap
 from .instance import Instance, Robot, Victim
@@ -26,86 +23,34 @@ KINDS = (
 )
 SERVICE_TIME = dict(zip(KINDS, (15.0, 30.0, 20.0, 10.0, 45.0, 35.0), strict=True))
 SPEEDS = (0.2, 0.3, 0.4)
-MOST_KINDS = 1000
+MAXIMUM_KINDS = 1000
 
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
 Range = tuple[int, int]
 
 
-def random_mission(
-    grid: GridMap,
-    n_robots: int,
-    n_victims: int,
-    *,
-    seed: int,
-    per_robot: tuple[int, int] = (1, 3),
-    per_victim: tuple[int, int] = (2, 2),
-    speeds: Sequence[float] = SPEEDS,
-) -> Instance:
-    """A mission with robots and victims on random free cells.
+class _Wanted(NamedTuple):
+    """What is asked of the draw."""
 
-    Parameters
-    ----------
-    grid : GridMap
-        The map. Victims stand on different cells as long as there are enough.
-    n_robots, n_victims : int
-        How many.
-    seed : int
-        Determines everything that is random.
-    per_robot, per_victim : (least, most)
-        How many kinds a robot has, and a victim needs, drawn evenly.
-    speeds : sequence of float
-        Cells per time unit, drawn evenly.
+    grid: GridMap
+    n_robots: int
+    n_victims: int
+    kinds: int
+    per_robot: Range
+    per_victim: Range
+    n_speeds: int
+    priorities: Range
 
-    Raises
-    ------
-    InputError
-        If the map has no free cell, or a count is out of range.
-    """
-    _check_range("per_robot", per_robot, len(KINDS))
-    _check_range("per_victim", per_victim, len(KINDS))
-    _check_speeds(speeds)
-    if not 0 <= seed < 2**32:
-        raise InputError(f"{seed!r}; give a whole number, 0 to 2**32 - 1", field="seed")
-    if n_robots < 1 or n_victims < 0:
-        raise InputError("at least one robot and no fewer than no victims", field="counts")
-    free = np.argwhere(grid.free)
-    if not len(free):
-        raise InputError("the map has no free cell", field="map")
-    # RandomState's streams are frozen by numpy for good; those of Generator's methods are not.
-    random = np.random.RandomState(seed)
 
-    def kinds(least: int, most: int) -> tuple[str, ...]:
-        count = random.randint(least, most + 1)
-        chosen = set(random.choice(len(KINDS), size=count, replace=False).tolist())
-        return tuple(kind for k, kind in enumerate(KINDS) if k in chosen)
+class _Draw(NamedTuple):
+    """All that is random about a mission, by position."""
 
-    def cells(count: int) -> list[tuple[int, int]]:
-        picks = random.choice(len(free), size=count, replace=count > len(free))
-        return [(int(row), int(col)) for row, col in free[picks]]
-
-    robots = [
-        Robot(
-            id=i,
-            start=cell,
-            speed=float(speeds[random.randint(len(speeds))]),
-            capabilities=kinds(*per_robot),
-        )
-        for i, cell in enumerate(cells(n_robots))
-    ]
-    victims = [
-        Victim(id=i, cell=cell, requirements=kinds(*per_victim))
-        for i, cell in enumerate(cells(n_victims))
-    ]
-    return Instance(
-        name=f"{grid.name or 'map'}-{n_robots}x{n_victims}-s{seed}",
-        map=grid,
-        capabilities=KINDS,
-        service_time=SERVICE_TIME,
-        robots=tuple(robots),
-        victims=tuple(victims),
-    )
+    starts: list[Cell]
+    cells: list[Cell]
+    P: Bools
+    Q: Bools
+    speeds: Ints
+    priorities: Ints
+    description: str
 
 
 def kinds_with_times(count: int) -> dict[str, float]:
@@ -130,8 +75,9 @@ def generate_mission(
     priorities: Range | None = None,
     unreachable: float = 0.0,
     unmeetable: float = 0.0,
+    solvable: bool = True,
 ) -> Instance:
-    """A mission that can be solved, up to the shares that are asked not to be.
+    """A mission that can be solved, up to the shares that are asked not to be; or any mission.
 
     Robots and victims stand on cells of their own in the largest connected region of the map. Every
     kind is had by some robot; so every requirement can be met by a robot that reaches the victim,
@@ -147,18 +93,22 @@ def generate_mission(
         Determines everything that is random.
     kinds : int
         How many kinds of help there are; see `kinds_with_times`.
-    per_robot, per_victim : (least, most)
+    per_robot, per_victim : (minimum, maximum)
         How many kinds a robot has, and a victim needs, drawn evenly. Robots get more, within the
         range, where otherwise some kind would be had by none.
     speeds : sequence of float
         Cells per time unit, drawn evenly.
-    priorities : (least, most), optional
+    priorities : (minimum, maximum), optional
         Priority of a victim, a whole number drawn evenly; 1 if not given.
     unreachable : float
         Share of the victims that stand where no robot can walk, 0 to 1, to the nearest victim.
     unmeetable : float
         Share of all requirements that are of kinds that no robot has, 0 to 1, to the nearest
         requirement. As few kinds as will do are without a robot.
+    solvable : bool
+        If false, everything is drawn freely: robots and victims stand on any free cell, robots where
+        others do, victims too once there are more than cells, and what a robot has does not depend
+        on what is needed.
 
     Raises
     ------
@@ -166,62 +116,124 @@ def generate_mission(
         If a number is out of range, the map has too few cells in or out of reach, the robots
         cannot have all kinds between them, or the share of unmeetable requirements cannot be had.
     """
-    if not 1 <= kinds <= MOST_KINDS:
-        raise InputError(f"{kinds!r}; give 1 to {MOST_KINDS}", field="kinds")
+    if not 1 <= kinds <= MAXIMUM_KINDS:
+        raise InputError(f"{kinds!r}; give 1 to {MAXIMUM_KINDS}", field="kinds")
     _check_range("per_robot", per_robot, kinds)
     _check_range("per_victim", per_victim, kinds)
     if priorities is not None:
         _check_range("priorities", priorities, 10**9)
     _check_speeds(speeds)
-    check_share(unreachable, "unreachable")
-    check_share(unmeetable, "unmeetable")
+    for name, share in {"unreachable": unreachable, "unmeetable": unmeetable}.items():
+        check_share(share, name)
+        if share and not solvable:
+            raise InputError("goes with missions that can be solved otherwise", field=name)
     if n_robots < 1 or n_victims < 0:
         raise InputError("at least one robot and no fewer than no victims", field="counts")
-    random = random_stream(seed, "mission")
-    n_cut_off = share_of(unreachable, n_victims)
-    starts, cells = _places(grid, n_robots, n_victims, n_cut_off, random)
-
-    needs = random.randint(per_victim[0], per_victim[1] + 1, size=n_victims, dtype=np.int64)
-    n_unmeetable = share_of(unmeetable, int(needs.sum()))
-    n_lacking = _kinds_without_a_robot(needs, n_unmeetable, kinds)
-    shuffled = random.permutation(kinds)
-    lacking, had = shuffled[:n_lacking], shuffled[n_lacking:]
-    P = _capabilities(had, n_robots, per_robot, kinds, random)  # noqa: N806 - the paper's names
-    Q = _requirements(lacking, had, needs, n_unmeetable, kinds, random)  # noqa: N806
-
+    wanted = _Wanted(
+        *(grid, n_robots, n_victims, kinds, per_robot, per_victim),
+        n_speeds=len(speeds),
+        priorities=priorities or (1, 1),
+    )
+    if solvable:
+        drawn = _solvable(wanted, unreachable, unmeetable, random_stream(seed, "mission"))
+    else:
+        drawn = _free(wanted, seed)
     times = kinds_with_times(kinds)
     names = np.array(list(times), dtype=object)
-    paces = random.randint(len(speeds), size=n_robots, dtype=np.int64)
-    low, high = priorities or (1, 1)
-    urgency = random.randint(low, high + 1, size=n_victims, dtype=np.int64)
     return Instance(
         name=f"{grid.name or 'map'}-{n_robots}x{n_victims}-s{seed}",
-        description=(
-            f"{n_cut_off} of {n_victims} victims out of reach; "
-            f"{n_unmeetable} of {needs.sum()} requirements of kinds that no robot has."
-        ),
+        description=drawn.description,
         map=grid,
         capabilities=tuple(times),
         service_time=times,
         robots=tuple(
             Robot(
                 id=r,
-                start=starts[r],
-                speed=float(speeds[paces[r]]),
-                capabilities=tuple(names[P[r]]),
+                start=drawn.starts[r],
+                speed=float(speeds[drawn.speeds[r]]),
+                capabilities=tuple(names[drawn.P[r]]),
             )
             for r in range(n_robots)
         ),
         victims=tuple(
             Victim(
                 id=v,
-                cell=cells[v],
-                requirements=tuple(names[Q[v]]),
-                priority=float(urgency[v]),
+                cell=drawn.cells[v],
+                requirements=tuple(names[drawn.Q[v]]),
+                priority=float(drawn.priorities[v]),
             )
             for v in range(n_victims)
         ),
     )
+
+
+def random_mission(
+    grid: GridMap, n_robots: int, n_victims: int, *, seed: int, **options: Any
+) -> Instance:
+    """The name of before for `generate_mission` with ``solvable=False``."""
+    return generate_mission(grid, n_robots, n_victims, seed=seed, solvable=False, **options)
+
+
+def _solvable(
+    wanted: _Wanted, unreachable: float, unmeetable: float, random: np.random.RandomState
+) -> _Draw:
+    n_victims, kinds = wanted.n_victims, wanted.kinds
+    n_cut_off = share_of(unreachable, n_victims)
+    starts, cells = _places(wanted.grid, wanted.n_robots, n_victims, n_cut_off, random)
+    needs = _drawn(random, wanted.per_victim, n_victims)
+    n_unmeetable = share_of(unmeetable, int(needs.sum()))
+    n_lacking = _kinds_without_a_robot(needs, n_unmeetable, kinds)
+    shuffled = random.permutation(kinds)
+    lacking, had = shuffled[:n_lacking], shuffled[n_lacking:]
+    return _Draw(
+        starts,
+        cells,
+        P=_capabilities(had, wanted.n_robots, wanted.per_robot, kinds, random),
+        Q=_requirements(lacking, had, needs, n_unmeetable, kinds, random),
+        speeds=_drawn(random, (0, wanted.n_speeds - 1), wanted.n_robots),
+        priorities=_drawn(random, wanted.priorities, n_victims),
+        description=f"{n_cut_off} of {n_victims} victims out of reach; "
+        f"{n_unmeetable} of {needs.sum()} requirements of kinds that no robot has.",
+    )
+
+
+def _free(wanted: _Wanted, seed: int) -> _Draw:
+    if not 0 <= seed < 2**32:
+        raise InputError(f"{seed!r}; give a whole number, 0 to 2**32 - 1", field="seed")
+    free = np.argwhere(wanted.grid.free)
+    if not len(free):
+        raise InputError("the map has no free cell", field="map")
+    # RandomState's streams are frozen by numpy for good; those of Generator's methods are not.
+    random = np.random.RandomState(seed)
+
+    def some_cells(count: int) -> list[Cell]:
+        return _as_cells(free[random.choice(len(free), size=count, replace=count > len(free))])
+
+    def some_kinds(between: Range) -> Bools:
+        count = random.randint(between[0], between[1] + 1)
+        chosen = random.choice(wanted.kinds, size=count, replace=False)
+        return np.isin(np.arange(wanted.kinds), chosen)
+
+    starts = some_cells(wanted.n_robots)
+    robots = [
+        (random.randint(wanted.n_speeds), some_kinds(wanted.per_robot))
+        for _ in range(wanted.n_robots)
+    ]
+    cells = some_cells(wanted.n_victims)
+    needs = [some_kinds(wanted.per_victim) for _ in range(wanted.n_victims)]
+    return _Draw(
+        starts,
+        cells,
+        P=np.array([kinds for _, kinds in robots]),
+        Q=np.array(needs, dtype=bool).reshape(wanted.n_victims, wanted.kinds),
+        speeds=np.array([speed for speed, _ in robots], dtype=np.int64),
+        priorities=_drawn(random, wanted.priorities, wanted.n_victims),
+        description="",
+    )
+
+
+def _drawn(random: np.random.RandomState, between: Range, count: int) -> Ints:
+    return random.randint(between[0], between[1] + 1, size=count, dtype=np.int64)
 
 
 def _places(
@@ -321,9 +333,9 @@ def _as_cells(cells: Ints) -> list[Cell]:
 
 
 def _check_range(field: str, given: Range, highest: int) -> None:
-    least, most = given
-    if not 0 <= least <= most <= highest:
-        raise InputError(f"{given}; give 0 ≤ least ≤ most ≤ {highest}", field=field)
+    low, high = given
+    if not 0 <= low <= high <= highest:
+        raise InputError(f"{given}; give 0 ≤ minimum ≤ maximum ≤ {highest}", field=field)
 
 
 def _check_speeds(speeds: Sequence[float]) -> None:

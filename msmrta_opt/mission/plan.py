@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from pydantic import Field, NonNegativeInt
 
@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 FORMAT: Literal["msmrta-plan/1"] = "msmrta-plan/1"
 
 
-LIMITS = ("endurance", "longest_walk", "return_to_start")
+Limit = Literal["endurance", "longest_walk", "return_to_start"]
+LIMITS: tuple[Limit, ...] = get_args(Limit)
 """Most time units that a robot is busy; most cells that it walks; whether it ends where it began."""
 
 
@@ -114,6 +115,8 @@ class Plan(PlanRecord):
     instance: Instance
     planner: str
     options: dict[str, Any] = Field(default_factory=dict)
+    promises: tuple[Limit, ...] | None = None
+    """The options that limit every robot's whole route."""
     versions: dict[str, str] = Field(default_factory=dict)
     routes: tuple[Route, ...]
     unserved: tuple[Unserved, ...] = ()
@@ -146,14 +149,13 @@ class Plan(PlanRecord):
 
     @property
     def limits(self) -> dict[str, Any]:
-        """What is promised of every robot, by name; see `LIMITS`.
-
-        The staged planner's ``endurance`` is no promise over whole routes: it limits what Eq. 2
-        gives out, and the stages after it may add to that.
-        """
-        if self.planner == "msmrta":
-            return {}
-        return {name: self.options[name] for name in LIMITS if self.options.get(name) is not None}
+        """What every robot keeps over its whole route, by name; see `LIMITS`."""
+        promises = self.promises
+        if promises is None:
+            # The files of before do not say. Those of staged plans name a preset, and an endurance
+            # that limits what Eq. 2 gives out, to which later stages may add.
+            promises = () if "preset" in self.options else LIMITS
+        return {name: self.options[name] for name in promises if self.options.get(name) is not None}
 
     def is_for(self, mission: Instance) -> bool:
         """Whether `mission` is what this plan answers, whatever it is called."""

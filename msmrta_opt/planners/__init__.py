@@ -1,4 +1,9 @@
-"""Planners: ways to plan a mission, each called alike, each plan checked before anyone sees it."""
+"""Planners: ways to plan a mission, each called alike, each plan checked before anyone sees it.
+
+A file a planner: `msmrta`, the paper's staged method; `exact`, the joint problem with a proven bound;
+the baselines `mrga`, `ssi`, `greedy` and `random`. What a planner is, and what it declares of itself, is
+in `support`. A new file with a ``PLANNER`` is found here, and nothing else needs to know of it.
+"""
 
 from __future__ import annotations
 

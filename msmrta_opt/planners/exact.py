@@ -39,7 +39,7 @@ from ..stages.scouting import scout_mission
 from ..stages.situation import Situation
 from .support.first_routes import MODEL, first_routes
 from .support.improvement import stops_of
-from .support.planner import SOLVING, WALKING, Planner, Stopwatch
+from .support.planner import SOLVING, Planner, Stopwatch
 from .support.record import assemble
 
 STAGE = "exact"
@@ -124,7 +124,7 @@ def run(
         plan = assemble(
             instance,
             known,
-            planner=PLANNER.name,
+            planner=PLANNER,
             options={
                 "objective": aim.name,
                 "time_limit": time_limit,
@@ -228,5 +228,5 @@ PLANNER = Planner(
     limits=LIMITS,
     improves_itself=True,
     formulations=_formulations,
-    libraries=(*WALKING, *SOLVING, "pyscipopt", "msmrta_opt.routing.combinatorial_bounds"),
+    libraries=(*SOLVING, "pyscipopt", "msmrta_opt.routing.combinatorial_bounds"),
 )

@@ -34,7 +34,7 @@ from ..mission.plan import Plan
 from ..stages.k_means import k_means
 from ..stages.situation import Situation, Stop
 from .support.baseline import goals, plan_by, queue_of
-from .support.planner import CLUSTERING, WALKING, Planner
+from .support.planner import CLUSTERING, Planner
 
 ALPHA = 0.25
 BETA = 0.20
@@ -74,7 +74,7 @@ def run(
     return plan_by(
         lambda situation: allocate(situation, distances, alpha, beta, seed),
         instance,
-        planner=PLANNER.name,
+        planner=PLANNER,
         seed=seed,
         options={"distances": distances, "alpha": alpha, "beta": beta},
     )
@@ -167,5 +167,5 @@ PLANNER = Planner(
     "mrga",
     "the paper's baseline (MRGA), goal by goal",
     run,
-    libraries=(*WALKING, *CLUSTERING, "networkx", "scipy.optimize"),
+    libraries=(*CLUSTERING, "networkx", "scipy.optimize"),
 )

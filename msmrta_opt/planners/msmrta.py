@@ -17,7 +17,7 @@ from ..stages.robot_assignment import robot_assignment
 from ..stages.scouting import scout_mission
 from ..stages.situation import Situation, without
 from ..stages.victim_assignment import victim_assignment
-from .support.planner import CLUSTERING, SOLVING, WALKING, Planner, Stopwatch
+from .support.planner import CLUSTERING, SOLVING, Planner, Stopwatch
 from .support.record import assemble
 
 
@@ -49,7 +49,7 @@ def run(instance: Instance, *, preset: str = "paper", **changes: Any) -> Plan:
     return assemble(
         instance,
         known,
-        planner=PLANNER.name,
+        planner=PLANNER,
         options={"preset": preset, **options.as_dict()},
         routes=routes,
         missing=missing,
@@ -78,5 +78,5 @@ PLANNER = Planner(
     defaults={"preset": "paper", **StagedOptions().as_dict()},
     check=lambda options: StagedOptions.of(**options),
     formulations=_formulations,
-    libraries=(*WALKING, *CLUSTERING, *SOLVING),
+    libraries=(*CLUSTERING, *SOLVING),
 )

@@ -16,7 +16,7 @@ def run(instance: Instance, *, seed: int = 0) -> Plan:
     return plan_by(
         lambda situation: allocate(situation, seed),
         instance,
-        planner=PLANNER.name,
+        planner=PLANNER,
         seed=seed,
         options={},
     )

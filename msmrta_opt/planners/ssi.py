@@ -22,7 +22,7 @@ from .support.planner import Planner
 
 def run(instance: Instance, *, seed: int = 0) -> Plan:
     """Plan `instance` by sequential single-item auctions; `seed` is that of scouting."""
-    return plan_by(allocate, instance, planner=PLANNER.name, seed=seed, options={})
+    return plan_by(allocate, instance, planner=PLANNER, seed=seed, options={})
 
 
 def allocate(situation: Situation) -> list[Stop]:

@@ -17,7 +17,7 @@ import msmrta_opt as mo
 from msmrta_opt.certify.certificates import SMALL_PROOFS, Recheck, recheck
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners.support.explicit_model import problem_of
@@ -36,7 +36,7 @@ LIMITS: list[dict[str, Any]] = [
 def made(seed: int, objective: str, limit: int = 0) -> Plan:
     """A small mission's proven plan."""
     grid = read_map(MAPS / f"map{(0, 2, 3)[seed % 3]}.map")
-    mission = random_mission(grid, 3, 5, seed=seed)
+    mission = generate_mission(grid, 3, 5, seed=seed, solvable=False)
     return mo.plan(mission, planner="exact", objective=objective, **LIMITS[limit])  # type: ignore[arg-type]
 
 

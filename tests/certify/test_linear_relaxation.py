@@ -15,7 +15,7 @@ from support.corridor import DUALS
 from msmrta_opt.certify.joint_problem import Joint
 from msmrta_opt.certify.linear_relaxation import Column, relaxation
 from msmrta_opt.mission.errors import CheckError
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
@@ -160,7 +160,7 @@ def test_every_row_holds_on_every_plan_and_costs_are_its_value(
     seed: int, objective: str, returns: bool
 ) -> None:
     rng = random.Random(seed)
-    mission = random_mission(read_map(MAPS / "map2.map"), 3, 6, seed=seed)
+    mission = generate_mission(read_map(MAPS / "map2.map"), 3, 6, seed=seed, solvable=False)
     options = {"return_to_start": returns, "endurance": 10_000, "longest_walk": 10_000}
     joint = Joint.of(Plan(instance=mission, planner="none", options=options, routes=()))
     head = {"objective": objective, "bound": 0, "solver": "nobody"}

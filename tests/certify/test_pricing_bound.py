@@ -17,7 +17,7 @@ from msmrta_opt.certify.joint_problem import Joint
 from msmrta_opt.certify.pricing_bound import pricing_bound
 from msmrta_opt.certify.scheduling_bound import scheduling_bound
 from msmrta_opt.mission.errors import CheckError
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
@@ -145,7 +145,9 @@ def test_every_robot_needs_a_time_step_that_orders_its_services(corridor: Joint)
 def mission(seed: int, limit: int = 0) -> tuple[Joint, float, Fraction]:
     """A joint problem, its least latency, and what another plan is worth."""
     grid = read_map(MAPS / f"map{(0, 2, 3)[seed % 3]}.map")
-    made = random_mission(grid, 2, 4, seed=seed, per_robot=(2, 4), per_victim=(1, 3))
+    made = generate_mission(
+        grid, 2, 4, seed=seed, per_robot=(2, 4), per_victim=(1, 3), solvable=False
+    )
     priority = {v.id: (0.0, 0.5, 1.0, 3.0)[(v.id + seed) % 4] for v in made.victims}
     made = made.replace(
         victims=tuple(v.model_copy(update={"priority": priority[v.id]}) for v in made.victims)
@@ -275,7 +277,7 @@ def test_the_scheduling_bound_is_none_above_the_optimum(seed: int, limit: int) -
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_bound_at_once_is_the_planners(seed: int) -> None:
-    made = random_mission(read_map(MAPS / "map2.map"), 4, 9, seed=seed)
+    made = generate_mission(read_map(MAPS / "map2.map"), 4, 9, seed=seed, solvable=False)
     plan = make_plan(made, planner="greedy")
     joint = Joint.of(plan)
     ours = max(scheduling_bound(joint), joint.each_alone("latency"))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.certify.scouting import in_sight
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance, Scout
 from msmrta_opt.mission.plan import Plan
@@ -208,7 +208,7 @@ def test_what_scouts_report_holds_and_no_victim_can_be_hidden_or_invented(
 ) -> None:
     if grid.free.sum() < 2:
         return
-    mission = random_mission(grid, 1, 3, seed=seed)
+    mission = generate_mission(grid, 1, 3, seed=seed, solvable=False)
     cells = [(row, col) for row, col in np.argwhere(grid.free).tolist()]
     starts = data.draw(st.lists(st.sampled_from(cells), min_size=1, max_size=3))
     depths = [data.draw(st.integers(0, 4)) for _ in starts]

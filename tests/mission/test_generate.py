@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections import Counter
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.mission.generate import KINDS, SERVICE_TIME, SPEEDS, random_mission
+from msmrta_opt.mission.generate import KINDS, SERVICE_TIME, SPEEDS, generate_mission
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
@@ -25,15 +26,17 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 PRINT_A_MISSION = """
 import json
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.maps import grid_from_rows
 grid = grid_from_rows(["..@.", "@...", "...."])
-print(json.dumps(random_mission(grid, 5, 7, seed=11).document()))
+print(json.dumps(generate_mission(grid, 5, 7, seed=11, solvable=False).document()))
 """
+
+free_mission = partial(generate_mission, solvable=False)
 
 
 def test_the_same_seed_gives_the_same_mission_in_every_process() -> None:
-    here = random_mission(GROUND, 5, 7, seed=11).document()
+    here = free_mission(GROUND, 5, 7, seed=11).document()
     for hash_seed in ("1", "2"):
         # Sets of texts are ordered by their hashes, which differ from process to process.
         environment = {**os.environ, "PYTHONHASHSEED": hash_seed, "PYTHONPATH": str(ROOT)}
@@ -49,11 +52,11 @@ def test_the_same_seed_gives_the_same_mission_in_every_process() -> None:
 
 @given(seed=SEEDS)
 def test_the_same_seed_gives_the_same_mission(seed: int) -> None:
-    assert random_mission(GROUND, 3, 4, seed=seed) == random_mission(GROUND, 3, 4, seed=seed)
+    assert free_mission(GROUND, 3, 4, seed=seed) == free_mission(GROUND, 3, 4, seed=seed)
 
 
 def test_other_seeds_give_other_missions() -> None:
-    documents = [random_mission(GROUND, 3, 4, seed=seed).document() for seed in range(10)]
+    documents = [free_mission(GROUND, 3, 4, seed=seed).document() for seed in range(10)]
     for document in documents:
         del document["name"]
     assert len({json.dumps(document) for document in documents}) == 10
@@ -61,10 +64,10 @@ def test_other_seeds_give_other_missions() -> None:
 
 def test_the_global_random_state_is_neither_read_nor_changed() -> None:
     np.random.seed(3)  # noqa: NPY002 - it is this old state that must not matter
-    first = random_mission(GROUND, 3, 4, seed=0)
+    first = free_mission(GROUND, 3, 4, seed=0)
     after = np.random.random()  # noqa: NPY002
     np.random.seed(4)  # noqa: NPY002
-    assert random_mission(GROUND, 3, 4, seed=0) == first
+    assert free_mission(GROUND, 3, 4, seed=0) == first
     np.random.seed(3)  # noqa: NPY002
     assert np.random.random() == after  # noqa: NPY002
 
@@ -84,8 +87,13 @@ def test_a_mission_is_as_asked_for(
     per_robot: tuple[int, int],
     per_victim: tuple[int, int],
 ) -> None:
-    mission = random_mission(
-        GROUND, n_robots, n_victims, seed=seed, per_robot=per_robot, per_victim=per_victim
+    mission = free_mission(
+        GROUND,
+        n_robots,
+        n_victims,
+        seed=seed,
+        per_robot=per_robot,
+        per_victim=per_victim,
     )
     assert mission.map == GROUND
     assert [robot.id for robot in mission.robots] == list(range(n_robots))
@@ -104,7 +112,7 @@ def test_a_mission_is_as_asked_for(
 
 
 def test_a_mission_can_be_saved_and_read(tmp_path: Path) -> None:
-    mission = random_mission(GROUND, 3, 4, seed=0)
+    mission = free_mission(GROUND, 3, 4, seed=0)
     mission.save(tmp_path / "mission.json")
     assert Instance.read(tmp_path / "mission.json") == mission
 
@@ -112,25 +120,25 @@ def test_a_mission_can_be_saved_and_read(tmp_path: Path) -> None:
 @given(seed=SEEDS)
 def test_victims_stand_apart_as_long_as_there_is_room(seed: int) -> None:
     n_free = int(GROUND.free.sum())
-    filled = random_mission(GROUND, 1, n_free, seed=seed)
+    filled = free_mission(GROUND, 1, n_free, seed=seed)
     assert len(set(filled.cells)) == n_free
 
 
 def test_more_victims_than_free_cells_share_them() -> None:
-    assert random_mission(grid_from_rows(["@."]), 3, 5, seed=0).cells == [(0, 1)] * 5
+    assert free_mission(grid_from_rows(["@."]), 3, 5, seed=0).cells == [(0, 1)] * 5
 
 
 def test_a_mission_has_two_requirements_a_victim_and_one_to_three_capabilities_unless_told() -> (
     None
 ):
-    mission = random_mission(GROUND, 200, 200, seed=0)
+    mission = free_mission(GROUND, 200, 200, seed=0)
     assert {len(victim.requirements) for victim in mission.victims} == {2}
     assert {len(robot.capabilities) for robot in mission.robots} == {1, 2, 3}
 
 
 def test_every_choice_is_drawn_about_evenly() -> None:
     n = 3000
-    mission = random_mission(GROUND, n, n, seed=0, speeds=(1.0, 2.0))
+    mission = free_mission(GROUND, n, n, seed=0, speeds=(1.0, 2.0))
     drawn: list[Counter[Any]] = [
         Counter(robot.speed for robot in mission.robots),
         Counter(len(robot.capabilities) for robot in mission.robots),
@@ -153,8 +161,8 @@ def test_kinds_and_times_are_those_of_the_papers_mission(paper: Instance) -> Non
 
 
 def test_the_name_tells_map_size_and_seed() -> None:
-    assert random_mission(GridMap(GROUND.free, name="hall"), 2, 3, seed=4).name == "hall-2x3-s4"
-    assert random_mission(GROUND, 2, 3, seed=4).name == "map-2x3-s4"
+    assert free_mission(GridMap(GROUND.free, name="hall"), 2, 3, seed=4).name == "hall-2x3-s4"
+    assert free_mission(GROUND, 2, 3, seed=4).name == "map-2x3-s4"
 
 
 @pytest.mark.parametrize(
@@ -176,5 +184,5 @@ def test_the_name_tells_map_size_and_seed() -> None:
 def test_what_cannot_be_is_refused_naming_the_option(change: dict[str, Any], field: str) -> None:
     options: dict[str, Any] = {"grid": GROUND, "n_robots": 3, "n_victims": 2, "seed": 0} | change
     with pytest.raises(InputError) as caught:
-        random_mission(options.pop("grid"), **options)
+        free_mission(options.pop("grid"), **options)
     assert caught.value.field == field

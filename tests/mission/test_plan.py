@@ -169,3 +169,30 @@ def test_plans_that_differ_in_anything_else_are_not_the_same(
     plan: Plan, update: dict[str, Any]
 ) -> None:
     assert not plan.same_as(plan.model_copy(update=update))
+
+
+# Limits, which a planner promises of every robot's whole route or does not.
+
+
+def limited(plan: Plan, **said: object) -> dict[str, object]:
+    document = plan.document()
+    document["options"] = {"endurance": 5, "longest_walk": None, "return_to_start": False}
+    document.update(said)
+    return Plan.model_validate_json(json.dumps(document), strict=True).limits
+
+
+def test_limits_are_the_options_that_are_promised(plan: Plan) -> None:
+    assert limited(plan, promises=["endurance"]) == {"endurance": 5}
+    assert limited(plan, promises=["longest_walk", "return_to_start"]) == {"return_to_start": False}
+    assert limited(plan, promises=[]) == {}
+
+
+def test_a_file_of_before_promises_all_its_limits_but_those_of_a_staged_plan(plan: Plan) -> None:
+    assert limited(plan, promises=None) == {"endurance": 5, "return_to_start": False}
+    staged = {"preset": "paper", "endurance": 5}
+    assert limited(plan, promises=None, options=staged) == {}
+
+
+def test_a_promise_of_no_limit_is_refused(plan: Plan) -> None:
+    with pytest.raises(ValidationError, match="promises"):
+        limited(plan, promises=["seed"])

@@ -7,7 +7,7 @@ import random
 import pytest
 
 from msmrta_opt.certify.plan import problems
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan, Reason
@@ -54,7 +54,11 @@ def missions(n: int) -> list[Instance]:
         rows[0][0] = "."
         grid = grid_from_rows(["".join(row) for row in rows])
         counts = chance.randint(1, 4), chance.randint(0, 8)
-        found.append(random_mission(grid, *counts, seed=seed, per_robot=(0, 3), per_victim=(0, 3)))
+        found.append(
+            generate_mission(
+                grid, *counts, seed=seed, per_robot=(0, 3), per_victim=(0, 3), solvable=False
+            )
+        )
     return found
 
 

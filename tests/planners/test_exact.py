@@ -16,7 +16,7 @@ from support.joint_oracle import least
 import msmrta_opt as mo
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows, read_map
 from msmrta_opt.mission.plan import Plan, Reason
@@ -34,7 +34,7 @@ SEEDS = range(4)
 def mission(seed: int) -> Instance:
     """Three robots and four victims among walls; some requirements that no robot can serve."""
     grid = read_map(MAPS / f"map{(0, 2, 3)[seed % 3]}.map")
-    return random_mission(grid, 3, 4, seed=seed)
+    return generate_mission(grid, 3, 4, seed=seed, solvable=False)
 
 
 def joint(instance: Instance) -> RoutingData:
@@ -88,7 +88,9 @@ def test_the_latency_of_a_small_mission_is_the_least_above_a_bound_that_holds(se
 @pytest.mark.parametrize("seed", range(20, 50))
 def test_no_routes_have_a_latency_below_the_bound(seed: int) -> None:
     grid = read_map(MAPS / f"map{(0, 2, 3)[seed % 3]}.map")
-    data = joint(random_mission(grid, 2, 3, seed=seed, per_robot=(2, 4), per_victim=(0, 3)))
+    data = joint(
+        generate_mission(grid, 2, 3, seed=seed, per_robot=(2, 4), per_victim=(0, 3), solvable=False)
+    )
     assert 0 <= latency_bound(data) <= least(data, "latency") + 1e-6
 
 
@@ -106,7 +108,7 @@ def test_a_plan_holds_and_its_bound_is_one_at_any_time_limit(
 
 @pytest.mark.parametrize("objective", OBJECTIVES)
 def test_a_larger_mission_stopped_at_once_has_a_plan_and_a_bound(objective: str) -> None:
-    large = random_mission(read_map(MAPS / "map2.map"), 6, 40, seed=1)
+    large = generate_mission(read_map(MAPS / "map2.map"), 6, 40, seed=1, solvable=False)
     first, _, _ = proven(mo.plan(large, planner="exact", objective=objective, time_limit=0))
     later, _, _ = proven(mo.plan(large, planner="exact", objective=objective, time_limit=0.5))
     assert later <= first + 1e-6
@@ -277,7 +279,7 @@ def test_an_option_out_of_range_is_refused_by_name(
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send on Windows")
 def test_ctrl_c_leaves_a_checked_plan_and_its_bound(tmp_path: Path) -> None:
     instance, answer = tmp_path / "large.json", tmp_path / "plan.json"
-    random_mission(read_map(MAPS / "map2.map"), 10, 100, seed=0).save(instance)
+    generate_mission(read_map(MAPS / "map2.map"), 10, 100, seed=0, solvable=False).save(instance)
     command = "from msmrta_opt.cli import run; import sys; sys.exit(run(sys.argv[1:]))"
     line = ["exact", str(instance), "--json", str(answer), "--time-limit", "600"]
     with subprocess.Popen(

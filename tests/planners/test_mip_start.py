@@ -10,7 +10,7 @@ import pytest
 
 import msmrta_opt as mo
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
@@ -28,7 +28,7 @@ PLANNERS = ("msmrta", "mrga", "ssi", "random")
 @cache
 def mission(seed: int = 3) -> Instance:
     """Four robots and ten victims: far from proven at once."""
-    return random_mission(read_map(MAPS / "map2.map"), 4, 10, seed=seed)
+    return generate_mission(read_map(MAPS / "map2.map"), 4, 10, seed=seed, solvable=False)
 
 
 @cache
@@ -121,7 +121,9 @@ REFUSED: dict[str, tuple[Any, str]] = {
 
 @cache
 def small() -> Plan:
-    return mo.plan(random_mission(read_map(MAPS / "map2.map"), 2, 3, seed=0), planner="ssi")
+    return mo.plan(
+        generate_mission(read_map(MAPS / "map2.map"), 2, 3, seed=0, solvable=False), planner="ssi"
+    )
 
 
 @pytest.mark.parametrize("case", REFUSED)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from msmrta_opt.certify.plan import problems
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance, Robot, Scout, Victim
 from msmrta_opt.mission.maps import read_map
@@ -63,13 +63,14 @@ def mission(number: int) -> Instance:
     most = 100 if crowded else 20
     if combination(number)["victim_model"] == "victim_balanced":
         most = 12  # branch and bound takes long on more, and this is not about time
-    base = random_mission(
+    base = generate_mission(
         grid,
         chance.randint(2, 10),
         chance.randint(1, most),
         seed=number,
         per_robot=(0, 3),
         per_victim=(0, 4),
+        solvable=False,
     )
     return base.replace(
         robots=renumbered(base.robots, chance),

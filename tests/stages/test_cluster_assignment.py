@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from msmrta_opt import formulations
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.grid import Cell, GridMap
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
@@ -313,13 +313,14 @@ def missions(draw: st.DrawFn) -> Instance:
     n_columns = draw(st.integers(2, 6))
     row = st.text("..@", min_size=n_columns, max_size=n_columns)
     rows = st.lists(row, min_size=1, max_size=5).filter(lambda rows: "." in "".join(rows))
-    instance = random_mission(
+    instance = generate_mission(
         grid_from_rows(draw(rows)),
         draw(st.integers(1, 4)),
         draw(st.integers(1, 7)),
         seed=draw(st.integers(0, 999)),
         per_robot=(0, 3),
         per_victim=(0, 4),
+        solvable=False,
     )
     labels = st.lists(st.integers(0, 4), min_size=instance.n_victims, max_size=instance.n_victims)
     return instance.replace(clusters=tuple(draw(labels)))

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.grid import Cell, GridMap
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
@@ -176,7 +176,7 @@ def test_k_means_finds_the_best_partition_of_the_papers_mission(paper: Instance,
 
 @pytest.mark.parametrize("seed", [0, 1, 2**32 - 1])
 def test_the_same_seed_gives_the_same_clusters(seed: int) -> None:
-    instance = random_mission(grid_from_rows(["." * 20] * 20), 6, 60, seed=5)
+    instance = generate_mission(grid_from_rows(["." * 20] * 20), 6, 60, seed=5, solvable=False)
     first, second = (clusters_of(instance, seed=seed) for _ in range(2))
     assert first.labels.tolist() == second.labels.tolist()
     assert first.cells == second.cells
@@ -194,7 +194,7 @@ def test_another_seed_may_give_other_clusters() -> None:
 
 
 def test_k_means_leaves_no_victim_nearer_to_another_centre() -> None:
-    instance = random_mission(grid_from_rows(["." * 20] * 20), 5, 40, seed=3)
+    instance = generate_mission(grid_from_rows(["." * 20] * 20), 5, 40, seed=3, solvable=False)
     clusters = clusters_of(instance)
     for (row, col), label in zip(instance.cells, clusters.labels, strict=True):
         away = [(row - r) ** 2 + (col - c) ** 2 for r, c in clusters.centres]
@@ -259,7 +259,7 @@ GRIDS = (
 def test_the_centre_cell_of_a_random_cluster_is_the_nearest_in_exact_arithmetic(
     grid: GridMap, n_victims: int, seed: int
 ) -> None:
-    victims = random_mission(grid, 1, n_victims, seed=seed).cells
+    victims = generate_mission(grid, 1, n_victims, seed=seed, solvable=False).cells
     row, col = (Fraction(sum(axis), n_victims) for axis in zip(*victims, strict=True))
 
     def key(cell: Cell) -> tuple[Fraction, Cell]:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows, read_map
 from msmrta_opt.optimise.data import JointAssignmentData, VictimData
@@ -86,7 +86,7 @@ def missions(instances_dir: Path) -> list[tuple[Instance, dict[str, Any]]]:
     # With three robots and two victims, a robot has no post.
     cases = [((4, 16), reading) for reading in readings] + [((2, 12), {}), ((3, 2), {})]
     return [
-        (random_mission(grid, *size, seed=seed, per_victim=(2, 3)), options)
+        (generate_mission(grid, *size, seed=seed, per_victim=(2, 3), solvable=False), options)
         for seed, (grid, (size, options)) in enumerate(product(grids, cases))
     ]
 

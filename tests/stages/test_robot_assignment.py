@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.grid import Cell
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
@@ -237,13 +237,14 @@ def auction(seed: int) -> tuple[Instance, list[Stop]]:
     chance = random.Random(seed)
     n_columns = chance.randint(3, 9)
     rows = ["".join(chance.choices(".....@", k=n_columns)) for _ in range(chance.randint(1, 5))]
-    instance = random_mission(
+    instance = generate_mission(
         grid_from_rows([*rows, "." * n_columns]),
         chance.randint(1, 5),
         chance.randint(0, 8),
         seed=seed,
         per_robot=(0, 5),
         per_victim=chance.choice([(0, 4), (2, 3)]),
+        solvable=False,
     )
     able = Situation.of(instance).able
     open_ = np.array(able.any(axis=0))

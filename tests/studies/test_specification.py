@@ -43,7 +43,7 @@ def test_every_combination_is_a_run(tmp_path: Path) -> None:
 
 
 def test_files_are_found_from_the_studys_folder_and_each_once(tmp_path: Path) -> None:
-    from msmrta_opt import random_mission, read_map
+    from msmrta_opt import generate_mission, read_map
 
     path = write_study(
         tmp_path,
@@ -51,7 +51,7 @@ def test_files_are_found_from_the_studys_folder_and_each_once(tmp_path: Path) ->
     )
     grid = read_map(tmp_path / "open.map")
     for name in ("ab", "aa"):
-        mission = random_mission(grid, 1, 1, seed=0).replace(name=name)
+        mission = generate_mission(grid, 1, 1, seed=0, solvable=False).replace(name=name)
         mission.save(tmp_path / f"{name}.json")
     assert [run.instance.name for run in runs(Study.read(path))] == ["aa", "ab"]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.routing.problem import Routes, RoutingData
 from msmrta_opt.stages.joint_routing import routing_data
@@ -20,7 +20,7 @@ def small_mission(
 ) -> RoutingData:
     """A random mission among walls: different speeds, split victims, kinds that nobody has."""
     grid = read_map(MAPS / f"map{map_number}.map")
-    mission = random_mission(grid, n_robots, n_victims, seed=seed)
+    mission = generate_mission(grid, n_robots, n_victims, seed=seed, solvable=False)
     return routing_data(Situation.of(mission), **options)  # type: ignore[arg-type]
 
 

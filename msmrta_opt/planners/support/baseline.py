@@ -14,7 +14,7 @@ from ...stages.path_planning import path_planning
 from ...stages.requirement_analysis import missing_capabilities, requirement_analysis
 from ...stages.scouting import scout_mission
 from ...stages.situation import Situation, Stop
-from .planner import Stopwatch
+from .planner import Planner, Stopwatch
 from .record import assemble
 
 Goal = tuple[int, int]
@@ -25,7 +25,7 @@ def plan_by(
     allocate: Callable[[Situation], Sequence[Stop]],
     instance: Instance,
     *,
-    planner: str,
+    planner: Planner,
     seed: int,
     options: Mapping[str, Any],
 ) -> Plan:

@@ -11,26 +11,24 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
 from typing import Any
+
+import numpy as np
 
 from ..._version import __version__
 from ...mission.errors import MsmrtaError
-from ...mission.plan import Plan
+from ...mission.grid import GridMap
+from ...mission.plan import Limit, Plan
 from ...optimise import registry
 from ...optimise.solvers import solvers
 
 RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numba", "numpy", "scikit-learn", "scipy")
-COMPILED = find_spec("numba") is not None
-WALKING = (
-    ("msmrta_opt.mission.breadth_first",) if COMPILED else ("networkx", "scipy.sparse.csgraph")
-)
 CLUSTERING = ("sklearn.cluster", "threadpoolctl", "msmrta_opt.stages.random_swap")
 SOLVING = (
     *("cvxpy", "cvxpy.cvxcore.python.cppbackend", "highspy", "scipy.optimize"),
     "msmrta_opt.optimise.coefficients",
 )
-"""What planners import on first use: to measure and walk, to cluster, to solve programs."""
+"""What planners import on first use: to cluster, to solve programs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +52,8 @@ class Planner:
     formulations : function from options to names, optional
         The formulations that its plans depend on, given these options.
     libraries : tuple of str
-        Modules that it imports on first use, to be loaded before its time is taken.
+        Modules that it imports on first use, to be loaded before its time is taken; what finds
+        distances and walks is loaded for all.
     """
 
     name: str
@@ -62,10 +61,10 @@ class Planner:
     run: Callable[..., Plan]
     defaults: Mapping[str, Any] | None = None
     check: Callable[[Mapping[str, Any]], object] | None = None
-    limits: tuple[str, ...] = ()
+    limits: tuple[Limit, ...] = ()
     improves_itself: bool = False
     formulations: Callable[[Mapping[str, Any]], Iterable[str]] | None = None
-    libraries: tuple[str, ...] = WALKING
+    libraries: tuple[str, ...] = ()
 
     @property
     def options(self) -> dict[str, Any]:
@@ -93,6 +92,7 @@ class Planner:
 
         What cannot be loaded is left to the planner, which says so where it misses it.
         """
+        _walk_a_step()
         for module in self.libraries:
             with suppress(ImportError):
                 importlib.import_module(module)
@@ -101,6 +101,18 @@ class Planner:
                 solvers()
                 registry.get(name)
         versions()
+
+
+@cache
+def _walk_a_step() -> None:
+    """Load whichever engine finds distances and walks here."""
+    grid = GridMap(np.ones((1, 2), dtype=bool))
+    here, there = (0, 0), (0, 1)
+    grid.fields([here])
+    grid.between([here], [there])
+    grid.lengths([here], [there])
+    grid.walks([here], [there])
+    grid.search.components()
 
 
 class Stopwatch:

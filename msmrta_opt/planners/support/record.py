@@ -20,14 +20,14 @@ from ...optimise.solution import Solution
 from ...stages.cluster_assignment import ClusterAssignment
 from ...stages.clustering import Clustering
 from ...stages.requirement_analysis import Missing
-from .planner import versions
+from .planner import Planner, versions
 
 
 def assemble(
     instance: Instance,
     known: Instance,
     *,
-    planner: str,
+    planner: Planner,
     options: Mapping[str, Any],
     routes: tuple[Route, ...],
     missing: Missing,
@@ -40,8 +40,9 @@ def assemble(
     """The plan of `planner` for `instance`, of which `known` holds the victims it knew."""
     return Plan(
         instance=instance,
-        planner=planner,
+        planner=planner.name,
         options=dict(options),
+        promises=planner.limits,
         versions=versions(),
         routes=routes,
         unserved=_unserved(instance, known, missing, report),

@@ -19,7 +19,7 @@ from ..run_highs import quiet_highs, run_highs
 from ..stop import StoppingCriterion
 from .points import point_supports, routes_of
 from .separation import Cut, separate
-from .tree import Subproblem, Tree
+from .subproblem import Subproblem, Tree
 
 _NOTHING_BETTER = (
     highspy.HighsModelStatus.kInfeasible,

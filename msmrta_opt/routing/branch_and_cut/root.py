@@ -16,8 +16,9 @@ from .cutting_plane import Relaxed
 from .edge_formulation import EdgeFormulation, Row
 from .points import point_of
 from .reduced_cost_fixing import fixed
+from .subproblem import Subproblem, Tree
 from .symmetry import own_visits
-from .tree import Subproblem, Tree, search_tree
+from .tree import search_tree
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from ..parameters import BranchAndCutParameters
 from ..problem import Routes
 from ..stop import StoppingCriterion
 from .connectivity import Connectivity, Shared
-from .tree import Subproblem, Tree
+from .subproblem import Subproblem, Tree
 
 _INFINITE = 1e20
 """SCIP's infinity."""

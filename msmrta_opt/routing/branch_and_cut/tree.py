@@ -1,46 +1,15 @@
-"""The search tree: what it is given, what it proves, and which solver searches it."""
+"""The search tree, by whichever solver is installed."""
 
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 
-from ...arrays import Floats
 from ..parameters import BranchAndCutParameters
 from ..problem import Routes
 from ..run_highs import highs_version
 from ..stop import StoppingCriterion
-from .edge_formulation import EdgeFormulation, Row
-from .separation import Cut
-
-
-@dataclass(frozen=True, eq=False)
-class Subproblem:
-    """The edge formulation within bounds of its columns, for solutions better than one known."""
-
-    formulation: EdgeFormulation
-    lower: Floats
-    """Lower bounds of the columns, ``(n_columns,)``."""
-    upper: Floats
-    """Upper bounds, ``(n_columns,)``; columns fixed to 0 stay out."""
-    known: float
-    """Value of the best solution known."""
-    cuts: tuple[Cut, ...] = ()
-    """To start with."""
-    rows: Sequence[Row] = ()
-    """Besides those of the formulation, see `symmetry`."""
-
-
-@dataclass(frozen=True)
-class Tree:
-    """The outcome of a search tree."""
-
-    bound: float
-    """No solution of the subproblem costs less, unless it costs as much as the one known."""
-    complete: bool
-    """Whether the tree was searched to its end."""
-    nodes: int
+from .subproblem import Subproblem, Tree
 
 
 def search_tree(

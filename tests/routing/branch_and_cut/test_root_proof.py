@@ -15,7 +15,7 @@ from msmrta_opt.certify.certificates import worth
 from msmrta_opt.certify.joint_problem import Joint
 from msmrta_opt.certify.linear_relaxation import Relaxation, relaxation
 from msmrta_opt.mission.errors import InputError, SolverError
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.mission.proof import RootProof
@@ -42,7 +42,7 @@ CASES: list[tuple[str, dict[str, Any]]] = [
 def solved(case: int) -> tuple[Plan, RootRelaxation, RootProof, Relaxation]:
     """Four robots and nine victims; ids differ from positions."""
     objective, limits = CASES[case]
-    mission = random_mission(read_map(MAPS / "map2.map"), 4, 9, seed=5)
+    mission = generate_mission(read_map(MAPS / "map2.map"), 4, 9, seed=5, solvable=False)
     mission = mission.replace(
         robots=tuple(r.model_copy(update={"id": 7 * r.id + 3}) for r in mission.robots),
         victims=tuple(v.model_copy(update={"id": 50 - v.id}) for v in mission.victims),

@@ -18,7 +18,8 @@ from msmrta_opt.routing.branch_and_cut.edge_formulation import EdgeFormulation
 from msmrta_opt.routing.branch_and_cut.points import point_of, routes_of
 from msmrta_opt.routing.branch_and_cut.root_proof import RootRelaxation
 from msmrta_opt.routing.branch_and_cut.search import branch_and_cut
-from msmrta_opt.routing.branch_and_cut.tree import Subproblem, search_tree
+from msmrta_opt.routing.branch_and_cut.subproblem import Subproblem
+from msmrta_opt.routing.branch_and_cut.tree import search_tree
 from msmrta_opt.routing.callbacks import SearchState
 from msmrta_opt.routing.incumbent import Progress
 from msmrta_opt.routing.objectives import OBJECTIVES, value

@@ -17,7 +17,7 @@ import pytest
 from msmrta_opt.cli import run
 from msmrta_opt.interruption import interruptible
 from msmrta_opt.mission.errors import InputError, ModelError
-from msmrta_opt.mission.generate import random_mission
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
@@ -53,7 +53,9 @@ def test_each_piece_has_the_plan_that_planning_inside_it_gives(paper: Instance) 
 MAP = read_map(INSTANCES / "maps" / "map2.map")
 
 
-@pytest.mark.parametrize("mission", [Instance.read(PAPER), random_mission(MAP, 4, 12, seed=5)])
+@pytest.mark.parametrize(
+    "mission", [Instance.read(PAPER), generate_mission(MAP, 4, 12, seed=5, solvable=False)]
+)
 def test_regions_tile_the_square_and_hold_their_plan(mission: Instance) -> None:
     found = tradeoff_regions(mission)
     area = sum((r.psi[1] - r.psi[0]) * (r.beta[1] - r.beta[0]) for r in found.regions)
