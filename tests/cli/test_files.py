@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -157,3 +159,71 @@ def test_one_file_is_not_given_for_two_outputs(
     assert msmrta("plan", corridor_file, "--json", out, "--figure", out) == 2
     assert "is given for two outputs; give two files" in capsys.readouterr().err
     assert not out.exists()
+
+
+MODEL = """
+import cvxpy as cp
+
+from msmrta_opt.optimise.formulation import Spec
+
+SPEC = Spec(stage="cluster", title="a row in odd units")
+
+
+def build(data):
+    x = cp.Variable(integer=True, bounds=[0, 1e12], name="x")
+    y = cp.Variable(boolean=True, name="y")
+    return cp.Problem(cp.Minimize(x + y), [({row}).set_label("at least one second")])
+"""
+
+
+@pytest.mark.parametrize("suffix", [".lp", ".mps"])
+@pytest.mark.parametrize(
+    ("row", "written"),
+    [
+        ("1e-9 * x >= 1", True),
+        ("1e-12 * x + 1e-9 * y >= 1e-3", True),
+        ("3e15 * x >= 6e15", True),
+        ("x <= 1e16 * y", False),
+        ("1e-9 * x + 99 * y >= 1", False),
+    ],
+)
+def test_export_scales_a_row_in_odd_units_or_names_it_with_its_coefficient(
+    row: str,
+    written: bool,
+    suffix: str,
+    msmrta: Run,
+    paper_file: Path,
+    tmp_path: Path,
+    capsys: Capture,
+) -> None:
+    model = tmp_path.name  # another one each time
+    (tmp_path / f"{model}.py").write_text(MODEL.format(row=row))
+    output = tmp_path / f"program{suffix}"
+    status = msmrta("export", model, paper_file, "--models", tmp_path, "-o", output)
+    said = capsys.readouterr().err
+    assert output.exists() is written
+    if written:
+        assert status == 0, said
+        return
+    assert status == 2
+    assert "row 'at least one second': coefficient 1e" in said
+    assert "no scaling helps; give other units" in said
+    assert said.count("\n") == 1
+
+
+@posix
+def test_a_reader_that_has_left_is_no_error(corridor_file: Path) -> None:
+    command = (
+        "import sys; from msmrta_opt import cli; sys.exit(cli.run(['plan', sys.argv[1], "
+        "'--planner', 'greedy', '--json', '/dev/stdout']))"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", command, str(corridor_file)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait() == 0
