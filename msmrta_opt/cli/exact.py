@@ -82,5 +82,5 @@ def exact(
         parameters=tuned,
         callbacks=Report(),
     )
-    show_plan(made)
     write_plan(made, json, figure)
+    show_plan(made)

@@ -75,8 +75,8 @@ def plan(
             raise InputError(f"{name!r} is already given; give it once", field="--option")
         options[name] = value
     made = make_plan(Instance.read(instance), planner=planner, **options)
-    show_plan(made)
     write_plan(made, json, figure)
+    show_plan(made)
 
 
 def planners() -> None:
@@ -132,14 +132,6 @@ def scout(
         max_steps=steps,
         stop=until,
     )
-    rows = [(find.victim, find.scout, find.step) for find in report.finds]
-    table("Victims found", ["victim", "scout", "step"], rows)
-    say(
-        f"{len(report.finds)} of {mission.n_victims} victims found in {len(report.coverage) - 1} "
-        f"steps, {report.coverage[-1]:.1%} of the reachable area seen; ended: {report.ended}."
-    )
-    if report.not_found:
-        say(f"Not found: {', '.join(map(str, report.not_found))}.")
     if json is not None:
         write_text(json, report.model_dump_json(indent=1) + "\n")
         typer.echo(f"report written to {json}")
@@ -148,6 +140,14 @@ def scout(
 
         scouting_figure(mission, report, figure)
         typer.echo(f"picture written to {figure}")
+    rows = [(find.victim, find.scout, find.step) for find in report.finds]
+    table("Victims found", ["victim", "scout", "step"], rows)
+    say(
+        f"{len(report.finds)} of {mission.n_victims} victims found in {len(report.coverage) - 1} "
+        f"steps, {report.coverage[-1]:.1%} of the reachable area seen; ended: {report.ended}."
+    )
+    if report.not_found:
+        say(f"Not found: {', '.join(map(str, report.not_found))}.")
 
 
 def schema() -> None:

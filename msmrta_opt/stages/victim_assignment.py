@@ -5,12 +5,14 @@ A robot that takes several victims visits them nearest first, from where stage B
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mission.errors import CheckError
 from ..optimise import registry
 from ..optimise.data import VictimData
 from ..optimise.solution import Solution
@@ -53,13 +55,16 @@ def victim_assignment(
     Raises
     ------
     CheckError
-        If there is no solution that passes its check.
+        If there is no solution that passes its check; where it is the robots' endurance that allows
+        none, with the time that is needed.
     """
     if not data.can_serve.any():
         return VictimAssignment([], None)
     model = registry.get(options.victim_model, stage="victim")
-    solution = solve(model, data, **model.takes(beta=options.beta)).require()
-    chosen = binary(solution, data.can_serve.shape)
+    solution = solve(model, data, **model.takes(beta=options.beta))
+    if solution.status == "infeasible" and np.isfinite(data.endurance).any():
+        raise CheckError(_too_little_time(situation, data))
+    chosen = binary(solution.require(), data.can_serve.shape)
     cells = situation.instance.cells
     ends, _ = situation.after(stops)
     queued: list[Stop] = []
@@ -71,3 +76,29 @@ def victim_assignment(
             for v in (taken[i] for i in order)
         )
     return VictimAssignment(each_once(queued), solution)
+
+
+def _too_little_time(situation: Situation, data: VictimData) -> str:
+    """The first victim that asks for a longer endurance, or that all together do."""
+    soonest = np.where(data.can_serve, data.success, np.inf).min(axis=0)
+    enough = (data.can_serve & (data.success <= data.endurance[:, None])).any(axis=0)
+    beyond = np.flatnonzero(data.can_serve.any(axis=0) & ~enough)
+    endurance = float(data.endurance.max())
+    if not beyond.size:
+        return (
+            f"endurance: within {endurance:g} the robots have the time for each victim, but not for all;"
+            " give more"
+        )
+    v, others = beyond[0], beyond.size - 1
+    more = f", and more for {others} other{'s' * (others > 1)}" if others else ""
+    return (
+        f"endurance: no robot has the time for victim {situation.instance.victims[v].id} within "
+        f"{endurance:g}; at least {_up(float(soonest[v]))} is needed{more}"
+    )
+
+
+def _up(number: float, digits: int = 12) -> str:
+    """`number` in so many digits, rounded up so that it is enough."""
+    unit = 10.0 ** (math.floor(math.log10(number)) + 1 - digits)
+    shown = f"{number:.{digits}g}"
+    return shown if float(shown) >= number else f"{number + unit:.{digits}g}"

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from msmrta_opt.certify.plan import problems
+from msmrta_opt.interruption import interruptible
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
@@ -140,3 +144,17 @@ def test_a_plan_that_keeps_to_limits_is_left_to_its_planner(instances_dir: Path)
     limited = plan(mission, planner="exact", return_to_start=True)
     with pytest.raises(InputError, match="improve: the plan keeps to return_to_start"):
         improve_plan(limited)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send on Windows")
+@pytest.mark.parametrize("planner", ["msmrta", "random"])
+@pytest.mark.parametrize("improve", [True, 1e6])
+def test_ctrl_c_ends_the_improvement_with_the_best_plan_there_is(
+    planner: str, improve: float, paper: Instance
+) -> None:
+    """Whoever waits for days of search does not get past the call below."""
+    with interruptible():
+        os.kill(os.getpid(), signal.SIGINT)
+        made = plan(paper, planner=planner, improve=improve)
+    assert problems(made) == []
+    assert made.metrics.total_time <= plan(paper, planner=planner).metrics.total_time

@@ -5,13 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ...interruption import interrupted, interruptible
 from ...mission.errors import InputError
 from ...mission.plan import Plan
 from ...routing.heuristics.ruin_and_recreate import ruin_and_recreate
 from ...routing.objectives import DEFAULT, objective_of
 from ...routing.parameters import Parameters
 from ...routing.problem import Routes
-from ...routing.stop import AnyOf, MaximumIterations, MaximumRuntime, StoppingCriterion
+from ...routing.stop import (
+    AnyOf,
+    Interruption,
+    MaximumIterations,
+    MaximumRuntime,
+    StoppingCriterion,
+)
 from ...stages.joint_routing import routing_data
 from ...stages.path_planning import path_planning
 from ...stages.situation import Situation, Stop
@@ -29,7 +36,7 @@ def improve_plan(
     seed: int = 0,
     parameters: Parameters | Mapping[str, Any] | None = None,
 ) -> Plan:
-    """A plan that serves the same, and is no worse by `objective`.
+    """A plan that serves the same, and is no worse by `objective`; Ctrl-C ends the search early.
 
     Parameters
     ----------
@@ -61,7 +68,7 @@ def improve_plan(
         return plan
     watch = Stopwatch()
     known = plan.known
-    with watch("improvement"):
+    with interruptible(), watch("improvement"):
         situation = Situation.of(known)
         data = routing_data(situation)
         limits: list[StoppingCriterion] = []
@@ -69,9 +76,15 @@ def improve_plan(
             limits.append(MaximumRuntime(seconds))
         if iterations is not None:
             limits.append(MaximumIterations(iterations))
-        stop = AnyOf(*limits) if limits else None
+        if not limits:
+            limits.append(MaximumIterations(tuned.heuristics.default_iterations))
         found = ruin_and_recreate(
-            data, routes_of(plan), aim, stop=stop, seed=seed, parameters=tuned.heuristics
+            data,
+            routes_of(plan),
+            aim,
+            stop=AnyOf(*limits, Interruption(interrupted)),
+            seed=seed,
+            parameters=tuned.heuristics,
         )
         routes = path_planning(known, stops_of(situation, found, STAGE))
     spent = seconds if seconds is not None else iterations
