@@ -20,6 +20,7 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
+from msmrta_opt.mission.proof import PricingRound
 from msmrta_opt.planners.support.explicit_model import problem_of
 
 MAPS = Path(__file__).parents[2] / "instances" / "maps"
@@ -73,6 +74,33 @@ def test_a_plan_comes_back_from_its_file_with_its_proof(tmp_path: Path) -> None:
     again = Plan.read(tmp_path / "plan.json")
     assert again.certificates == plan.certificates
     assert recheck(again)[0].whole
+
+
+@pytest.mark.parametrize(("objective", "earlier"), [("makespan", "price"), ("latency", "reward")])
+def test_a_file_whose_proof_has_the_earlier_names_is_read_and_proved_and_written_with_the_new(
+    objective: str, earlier: str, tmp_path: Path
+) -> None:
+    file = Path(__file__).parents[1] / "data" / "earlier_plans" / f"{objective}.json"
+    assert f'"{earlier}"' in file.read_text()
+    plan = Plan.read(file)
+    assert problems(plan) == []
+    (found,) = recheck(plan)
+    assert (found.problems, found.whole) == ((), True)
+    plan.save(tmp_path / "plan.json")
+    text = (tmp_path / "plan.json").read_text()
+    assert '"dual"' in text
+    assert f'"{earlier}"' not in text
+    assert Plan.read(tmp_path / "plan.json") == plan
+
+
+def test_every_field_of_a_round_may_have_its_earlier_name() -> None:
+    task = {"victim": 3, "kinds": ["A"], "reward": 2, "charges": [1, 0]}
+    steps = [{"victim": 3, "begin": [4]}]
+    earlier = PricingRound.model_validate({"needs": [task], "steps": steps})
+    assert (earlier.tasks[0].dual, earlier.tasks[0].densities) == (2, (1, 0))
+    assert earlier.breakpoints[0].times == (4,)
+    with pytest.raises(ValueError, match="reward"):
+        PricingRound.model_validate({"tasks": [task | {"dual": 1}]})
 
 
 def test_some_of_these_latencies_are_proved_by_dual_values_alone() -> None:

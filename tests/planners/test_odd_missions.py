@@ -1,0 +1,63 @@
+"""Random missions with odd features, by every planner: checked by the package and by the tests' own.
+
+What the exact planner claims is held against all plans there are.
+"""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import pytest
+from support import small_checker
+from support.odd_missions import odd_mission, odd_options
+
+from msmrta_opt.certify.certificates import recheck
+from msmrta_opt.certify.plan import problems
+from msmrta_opt.mission.plan import Plan
+from msmrta_opt.planners import planners
+
+QUICK, LARGE = 40, 2_000
+EACH = 20
+"""Missions of one test."""
+ROUNDING = Fraction(1, 10**6)
+
+
+def wrong_with(plan: Plan) -> list[str]:
+    """What either checker has against a plan and its claims."""
+    document = json.loads(json.dumps(plan.document()))
+    wrong = problems(plan) + small_checker.faults(document)
+    if plan.planner != "exact" or wrong:
+        return wrong
+    (certificate,) = plan.certificates
+    best = small_checker.minimum(document, certificate.model)
+    worth = small_checker.worth(document, certificate.model)
+    if best is None or worth < best * (1 - ROUNDING):
+        wrong.append(f"a plan worth {float(worth)}, where the best is worth {best}")
+        return wrong
+    if certificate.bound is None or Fraction(certificate.bound) > best * (1 + ROUNDING):
+        wrong.append(f"the bound {certificate.bound} is above the optimum {float(best)}")
+    if certificate.status == "optimal" and worth > best * (1 + ROUNDING):
+        wrong.append(f"{float(worth)} is called optimal, where {float(best)} is")
+    return wrong + [line for found in recheck(plan) for line in found.problems]
+
+
+def findings(number: int) -> list[str]:
+    """What is wrong with any planner's plan of a mission."""
+    mission = odd_mission(number)
+    return [
+        f"mission {number}, {name}: {line}"
+        for name, planner in planners().items()
+        for line in wrong_with(planner.run(mission, **odd_options(number, name)))
+    ]
+
+
+@pytest.mark.parametrize("first", range(0, QUICK, EACH))
+def test_no_planner_is_wrong_on_odd_missions(first: int) -> None:
+    assert [line for n in range(first, first + EACH) for line in findings(n)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(QUICK, LARGE, EACH))
+def test_no_planner_is_wrong_on_many_odd_missions(first: int) -> None:
+    assert [line for n in range(first, first + EACH) for line in findings(n)] == []
