@@ -22,14 +22,13 @@ from ..routing.callbacks import Callbacks
 from ..routing.heuristics.ruin_and_recreate import ruin_and_recreate
 from ..routing.incumbent import Progress
 from ..routing.methods import METHODS, close_in
-from ..routing.objectives import DEFAULT, Objective, objective_of
+from ..routing.objectives import DEFAULT, objective_of
 from ..routing.parameters import Parameters
-from ..routing.problem import Routes, RoutingData, faults
+from ..routing.problem import RoutingData, faults
 from ..routing.stop import (
     Interruption,
     MaximumRuntime,
     RelativeGap,
-    relative_gap,
 )
 from ..stages.joint_routing import beyond_limits, limits_of, routing_data
 from ..stages.options import RoutingOptions
@@ -138,7 +137,7 @@ def run(
             report=scouting,
             seconds=watch.seconds,
         )
-        certificate = _certificate(known, data, routes, aim, bound)
+        certificate = _certificate(known, progress, bound)
         return plan.model_copy(
             update={
                 "unserved": (*plan.unserved, *_beyond_limits(situation, data)),
@@ -150,8 +149,6 @@ def run(
 def _solve(progress: Progress, seed: int, parameters: Parameters) -> Bound:
     """Improve the incumbent for a while, then close in from both sides."""
     data = progress.data
-    if not data.required.any():
-        return Bound(0.0, "combinatorial")
     progress.bound_at_once()
     if not progress.done():
         tuning = parameters.heuristics
@@ -188,11 +185,9 @@ def _beyond_limits(situation: Situation, data: RoutingData) -> list[Unserved]:
     ]
 
 
-def _certificate(
-    known: Instance, data: RoutingData, routes: Routes, objective: Objective, bound: Bound
-) -> Certificate:
-    worth = objective.value(data, routes)
-    opening = relative_gap(worth, bound.value)
+def _certificate(known: Instance, progress: Progress, bound: Bound) -> Certificate:
+    objective, worth = progress.objective, progress.value
+    optimal = progress.closed()
     method = METHODS[objective.method]
     n_variables, n_rows = (0, 0) if bound.root is None else bound.root.size
     written = None if bound.root is None else bound.root.written(known, worth)
@@ -202,12 +197,12 @@ def _certificate(
         sense=objective.sense,
         solver=method.title,
         version=method.solvers(),
-        status="optimal" if opening <= 1e-6 else "feasible",
+        status="optimal" if optimal else "feasible",
         objective=worth,
-        bound=bound.value,
-        gap=0.0 if opening <= 1e-6 else opening,
-        proof=bound.proof,
-        check="passed" if not faults(data, routes) else faults(data, routes)[0],
+        bound=progress.bound,
+        gap=0.0 if optimal else progress.open(),
+        proof=progress.proof,
+        check="".join(faults(progress.data, progress.routes)[:1]) or "passed",
         n_variables=n_variables,
         n_rows=n_rows,
         root=written if isinstance(written, RootProof) else None,

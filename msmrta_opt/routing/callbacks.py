@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .bound import Proof
 from .problem import Routes
 from .stop import relative_gap
 
@@ -34,8 +35,8 @@ class Callbacks:
     def incumbent_found(self, state: SearchState) -> None:
         """Better routes were found."""
 
-    def bound_raised(self, state: SearchState, proof: str) -> None:
-        """A better bound was proved, by `proof`: one of `bound.Proof`."""
+    def bound_raised(self, state: SearchState, proof: Proof) -> None:
+        """A better bound was proved, by `proof`."""
 
     def phase_began(self, state: SearchState, phase: str) -> None:
         """The search goes on to `phase`, for instance ``"root relaxation"``."""

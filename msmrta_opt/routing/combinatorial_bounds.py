@@ -51,8 +51,8 @@ def _shortest_ways(data: RoutingData) -> Floats:
     between = np.where(pair, data.between, np.inf)
     out, back = (np.where(data.can_visit, way, np.inf) for way in (data.leave, data.back))
     while True:
-        shorter_out = np.minimum(out, (out[:, :, None] + between).min(axis=1))
-        shorter_back = np.minimum(back, (between + back[:, None, :]).min(axis=2))
+        shorter_out = np.minimum(out, (out[:, :, None] + between).min(axis=1, initial=np.inf))
+        shorter_back = np.minimum(back, (between + back[:, None, :]).min(axis=2, initial=np.inf))
         if np.array_equal(shorter_out, out) and np.array_equal(shorter_back, back):
             return np.asarray(out + back)
         out, back = shorter_out, shorter_back

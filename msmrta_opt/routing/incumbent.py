@@ -9,15 +9,14 @@ from functools import cached_property
 from ..mission.errors import InputError, SolverError
 from .bound import Proof
 from .callbacks import Callbacks, SearchState
+from .objective_step import ROUNDING as ROUNDING
 from .objective_step import ObjectiveStep, objective_step
 from .objectives import Objective, objective_of
-from .problem import Routes, RoutingData, faults
+from .problem import SUMS, Routes, RoutingData, faults
 from .stop import Interruption, StoppingCriterion, relative_gap
 
-ROUNDING = 1e-6
-"""Relative difference up to which values are the same."""
-FLOAT_ERROR = 1e-9
-"""Relative difference that sums of floats may make."""
+_NOTABLE = 1e-9
+"""Relative difference from which on a value is better than another, constants apart."""
 
 
 class Progress:
@@ -79,9 +78,17 @@ class Progress:
         """Share of the incumbent's value that the bound leaves open."""
         return relative_gap(self.value, self.bound)
 
+    def closed(self) -> bool:
+        """Whether the incumbent is proved to be optimal."""
+        return self.value - self.bound <= self.step.rounding(self.value)
+
     def done(self) -> bool:
         """Whether the gap is closed or the criterion met."""
-        return self.open() <= ROUNDING or self.stop.met(gap=self.open())
+        return self.closed() or self.stop.met(gap=self.open())
+
+    def _notable(self) -> float:
+        """By how much a value differs at the minimum from one like the incumbent's."""
+        return _NOTABLE * abs(self.value - self.step.offset) + SUMS * abs(self.value)
 
     def until_done(self, seconds: float = math.inf) -> StoppingCriterion:
         """The criterion of a search within this one: `seconds`, or until this one is done."""
@@ -103,18 +110,18 @@ class Progress:
         are none.
         """
         bound = self.possible(bound)
-        if bound > self.value * (1 + ROUNDING) and not of_better:
+        if bound > self.value + self.step.rounding(self.value) and not of_better:
             raise SolverError(
                 f"internal error: bound {bound!r} ({proof}) above the feasible {self.value!r}"
             )
         bound = min(bound, self.value)
-        if bound > self.bound + FLOAT_ERROR * self.value:
+        if bound > self.bound + (self._notable() if bound < self.value else 0.0):
             self.bound, self.proof = bound, proof
             self.callbacks.bound_raised(self.state(), proof)
 
     def can_be_pruned(self, bound: float) -> bool:
         """Whether routes worth at least `bound` are no better than the incumbent."""
-        return self.possible(bound) > self.better() + FLOAT_ERROR * self.value
+        return self.possible(bound) > self.better() + self._notable()
 
     def possible(self, bound: float) -> float:
         """The smallest possible value from `bound` on, with the leeway."""
@@ -125,9 +132,9 @@ class Progress:
         if faults(self.data, routes):
             return False
         worth = self.objective.value(self.data, routes)
-        if worth >= self.value * (1 - FLOAT_ERROR):
+        if worth >= self.value - self._notable():
             return False
-        if worth < self.bound - ROUNDING * worth:
+        if worth < self.bound - self.step.rounding(worth):
             raise SolverError(
                 f"internal error: routes worth {worth!r} below the bound {self.bound!r}"
             )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import cast
 
 from .bound import Bound, Proof
 from .branch_and_cut.search import branch_and_cut
@@ -15,6 +14,7 @@ from .callbacks import Callbacks, SearchState
 from .incumbent import Progress
 from .parameters import Parameters
 from .run_highs import highs_version
+from .scaling import in_convenient_units
 
 
 @dataclass(frozen=True)
@@ -53,18 +53,21 @@ def close_in(progress: Progress, *, seed: int = 0, parameters: Parameters | None
     parameters : Parameters, optional
         How to search.
     """
-    method, objective = METHODS[progress.objective.method], progress.objective
-    data = progress.data.in_convenient_units()
+    method = METHODS[progress.objective.method]
+    data = in_convenient_units(progress.data, progress.objective, progress.routes)
     if data is progress.data:
         return method.close_in(progress, seed=seed, parameters=parameters)
-    unit = objective.unit_of(data)
+    objective = progress.objective
+    unit = objective.unit_of(data) / objective.unit_of(progress.data)
     inner = Progress(
-        data, objective, progress.routes, stop=progress.stop, callbacks=_InUnits(progress, unit)
+        data,
+        objective,
+        progress.routes,
+        stop=progress.until_done(),
+        callbacks=_InUnits(progress, unit),
     )
     bound = method.close_in(inner, seed=seed, parameters=parameters)
-    progress.offer(inner.routes)
-    progress.raise_bound(bound.value * unit, bound.proof)
-    return Bound(progress.bound, progress.proof, bound.step * unit, bound.root)
+    return Bound(progress.bound, progress.proof, progress.step.step, bound.root)
 
 
 class _InUnits(Callbacks):
@@ -77,9 +80,9 @@ class _InUnits(Callbacks):
         """Take over the better routes."""
         self.progress.offer(state.routes)
 
-    def bound_raised(self, state: SearchState, proof: str) -> None:
+    def bound_raised(self, state: SearchState, proof: Proof) -> None:
         """Take over the better bound."""
-        self.progress.raise_bound(state.bound * self.unit, cast(Proof, proof), of_better=True)
+        self.progress.raise_bound(state.bound * self.unit, proof)
 
     def phase_began(self, state: SearchState, phase: str) -> None:
         """Tell what happens now."""

@@ -11,11 +11,12 @@ import numpy as np
 from ..arrays import Floats
 from ..mission.exact import exact, greatest_common_divisor
 from .objectives import Objective, objective_of
-from .problem import RoutingData
+from .problem import SUMS, RoutingData
 
-_ROUNDING = 1e-6
-_MOST_STEPS = 1_000_000
-"""Steps in the largest of all numbers, from which on their divisor says nothing."""
+ROUNDING = 1e-6
+"""Relative difference up to which values are the same, constants apart."""
+_SMALLEST = 1e-7
+"""A step is of no use that is a smaller share of the longest time: rounding hides it."""
 
 
 @dataclass(frozen=True)
@@ -25,18 +26,22 @@ class ObjectiveStep:
     offset: float
     step: float
 
+    def rounding(self, value: float) -> float:
+        """How far apart values near `value` may be and yet be the same."""
+        return ROUNDING * abs(value - self.offset) + SUMS * abs(value)
+
     def up(self, bound: float) -> float:
         """The smallest possible value from `bound` on, up to rounding."""
         if self.step == 0.0 or not math.isfinite(bound):
             return bound
         steps = (bound - self.offset) / self.step
-        slack = _ROUNDING * abs(bound) / self.step
         # A slack of a step and more would round nothing: so small a step says nothing.
-        return max(bound, self.offset + self.step * math.ceil(steps - min(slack, 0.5)))
+        slack = min(self.rounding(bound) / self.step, 0.5)
+        return max(bound, self.offset + self.step * math.ceil(steps - slack))
 
     def below(self, value: float) -> float:
         """The greatest value that is better than the possible value `value`, up to rounding."""
-        slack = _ROUNDING * abs(value)
+        slack = self.rounding(value)
         return value - (self.step - slack if self.step > 2 * slack else slack)
 
 
@@ -49,34 +54,30 @@ def objective_step(data: RoutingData, objective: str | Objective) -> ObjectiveSt
     constant = objective.service_is_constant
     step = time_step(data, service=not constant)
     if objective.weighted:
-        step *= _priority_step(data)
+        step *= _divisor(np.unique(data.priority), data.priority_unit)
     return ObjectiveStep(data.total_service if constant else 0.0, step)
 
 
 def time_step(data: RoutingData, *, service: bool = True) -> float:
-    """The exact greatest common divisor of all times, with or without service; 0 if not known.
+    """The greatest common divisor of all times, with or without service; 0 if it is of no use.
 
-    Walking distances are whole and speeds are short decimals, so times are simple fractions in the
-    mission's own unit. If one is not, nothing is claimed.
+    Times are the fractions that they stand for in the mission's own unit; see `mission.exact`.
     """
     able = data.can_visit
     both = able[:, :, None] & able[:, None, :]
     times = [data.leave[able], data.back[able], data.between[both]]
     if service:
         times.append(data.service[data.required])
-    return _divisor(np.concatenate(times), data.time_unit)
-
-
-def _priority_step(data: RoutingData) -> float:
-    return _divisor(data.priority, data.priority_unit)
+    return _divisor(np.unique(np.concatenate(times)), data.time_unit)
 
 
 def _divisor(numbers: Floats, unit: float) -> float:
     """The greatest common divisor of `numbers`, which are exact once they are times `unit`."""
-    values = np.unique(numbers)
-    divisor, largest = Fraction(0), Fraction(float(values.max(initial=0.0)) * unit)
-    for value in values.tolist():
-        divisor = greatest_common_divisor([divisor, exact(value * unit)])
-        if divisor * _MOST_STEPS < largest and divisor:
+    own = numbers * unit
+    smallest = _SMALLEST * float(own.max(initial=0.0))
+    divisor = Fraction(0)
+    for number in own.tolist():
+        divisor = greatest_common_divisor((divisor, exact(number)))
+        if 0 < divisor < smallest:
             return 0.0
     return float(divisor) / unit

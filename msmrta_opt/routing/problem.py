@@ -7,9 +7,8 @@ unless robots return. Walking is symmetric: between two victims a robot takes th
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 
@@ -23,9 +22,8 @@ Visit = tuple[int, tuple[int, ...]]
 Routes = tuple[tuple[Visit, ...], ...]
 """Per robot its visits in order; a robot without visits stays at home."""
 
-_CONVENIENT_TIME = 64.0
-_ROUNDING = 1e-9
-"""Relative: by how much sums of times may be off."""
+SUMS = 1e-12
+"""Relative difference of two sums of the same floats in different orders, at the maximum."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,38 +142,10 @@ class RoutingData(StageData):
         order = np.argsort(self.between.max(axis=0), axis=1, kind="stable")
         return {int(v): order[v][needed[order[v]]] for v in np.flatnonzero(needed)}
 
-    def in_convenient_units(self) -> RoutingData:
-        """The same problem, with numbers of a size that solvers' tolerances are made for.
-
-        Nothing is rounded. Where times and priorities are of such a size already, nothing changes.
-        """
-        times = [self.leave[self.can_visit], self.service[self.required]]
-        time = _unit(float(np.max(np.concatenate(times), initial=0.0)), _CONVENIENT_TIME)
-        priority = _unit(float(self.priority.max(initial=0.0)), 1.0)
-        if time == priority == 1.0:
-            return self
-        return replace(
-            self,
-            leave=self.leave / time,
-            between=self.between / time,
-            back=self.back / time,
-            service=self.service / time,
-            endurance=self.endurance / time,
-            longest_walk=self.longest_walk / time,
-            priority=self.priority / priority,
-            time_unit=self.time_unit * time,
-            priority_unit=self.priority_unit * priority,
-        )
-
     @property
     def total_service(self) -> float:
         """Service time of all requirements: part of the total time of all routes."""
         return float(self.service[self.required].sum())
-
-
-def _unit(largest: float, convenient: float) -> float:
-    """A power of 1024 by which `largest` comes near to `convenient`."""
-    return 1024.0 ** round(math.log(largest / convenient, 1024)) if largest > 0 else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,8 +200,8 @@ def faults(data: RoutingData, routes: Routes) -> list[str]:
             wrong.append(f"kind {k} at victim {v} is served {served[int(v), int(k)]} times")
     at = times(data, routes)
     for r in range(data.n_robots):
-        if at.busy[r] > data.endurance[r] * (1 + _ROUNDING):
+        if at.busy[r] > data.endurance[r] * (1 + SUMS):
             wrong.append(f"robot {r} is busy for {at.busy[r]:g}, beyond {data.endurance[r]:g}")
-        if at.travel[r] > data.longest_walk[r] * (1 + _ROUNDING):
+        if at.travel[r] > data.longest_walk[r] * (1 + SUMS):
             wrong.append(f"robot {r} travels for {at.travel[r]:g}, beyond {data.longest_walk[r]:g}")
     return wrong

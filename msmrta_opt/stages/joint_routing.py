@@ -13,6 +13,9 @@ from ..routing.problem import RoutingData
 from .options import StagedOptions
 from .situation import Situation
 
+ROUNDING = 1e-9
+"""Relative difference up to which times are the same."""
+
 
 def routing_data(
     situation: Situation,
@@ -45,7 +48,10 @@ def routing_data(
     between = distances.between(instance.cells, instance.cells)
     between = np.where(np.isfinite(between), between, 0.0)[None] / speed[:, None, None]
     back = leave if return_to_start else np.zeros_like(leave)
-    maximum_walk = np.inf if longest_walk is None else float(longest_walk) / speed
+    # Rounding does not break a limit.
+    endurance, longest_walk = (
+        np.inf if limit is None else limit * (1.0 + ROUNDING) for limit in (endurance, longest_walk)
+    )
     data = RoutingData(
         leave=leave,
         between=between,
@@ -53,8 +59,8 @@ def routing_data(
         service=instance.service,
         able=situation.able,
         priority=instance.priority,
-        endurance=np.full(instance.n_robots, np.inf if endurance is None else float(endurance)),
-        longest_walk=np.broadcast_to(maximum_walk, speed.shape).astype(float),
+        endurance=np.full(instance.n_robots, endurance),
+        longest_walk=longest_walk / speed,
         ids={
             "r": [robot.id for robot in instance.robots],
             "v": [victim.id for victim in instance.victims],
@@ -96,5 +102,5 @@ def _alone(data: RoutingData) -> tuple[Bools, Bools]:
     """
     travel = data.leave + data.back
     busy = travel[:, :, None] + data.service[None]
-    in_time = busy <= data.endurance[:, None, None] + 1e-9
-    return in_time, travel <= data.longest_walk[:, None] + 1e-9
+    in_time = busy <= data.endurance[:, None, None]
+    return in_time, travel <= data.longest_walk[:, None]

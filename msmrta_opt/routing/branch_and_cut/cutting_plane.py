@@ -26,14 +26,12 @@ from scipy.sparse import csr_array, vstack
 
 from ...arrays import Bools, Floats, Ints
 from ..parameters import BranchAndCutParameters
-from ..problem import Routes
+from ..problem import SUMS, Routes
 from ..run_highs import quiet_highs, run_highs
 from ..stop import StoppingCriterion
 from .edge_formulation import EdgeFormulation, Row
 from .points import point_of, point_supports
 from .separation import Cut, separate
-
-_TINY = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +196,7 @@ class Relaxation:
                 np.where(reduced > 0, self.lower, self.upper) * reduced,
             ]
         )
-        margin = 1e-12 * float(np.abs(terms).sum()) + _TINY
+        margin = SUMS * float(np.abs(terms).sum())
         return float(terms.sum()) - margin + self.formulation.offset, dual, reduced
 
     def _priced_in(self, reduced: Floats) -> Ints:

@@ -21,7 +21,7 @@ import numpy as np
 from ...arrays import Bools, Floats, Ints
 from ...mission.errors import InputError
 from ...optimise.program import Block
-from ..objective_step import objective_step
+from ..objective_step import ROUNDING, objective_step
 from ..objectives import Objective, objective_of
 from ..problem import RoutingData
 
@@ -91,9 +91,11 @@ class EdgeVariables:
             edges.append(np.column_stack([np.full(len(i), r), own[i], own[j]]))
         time_weight = 0.0
         if objective.only_last:
-            # All times together weigh less than half a step: they never outweigh the makespan.
+            # All times together weigh less than half a step, or than rounding: they never outweigh
+            # the makespan.
             step = objective_step(data, objective).step
-            share = step / (2.0 * max(upper_value, step)) if step else maximum_weight
+            share = step / max(upper_value, step) if step else ROUNDING
+            share /= 2.0
             time_weight = min(share, maximum_weight) / data.n_robots
         every = np.concatenate(edges)
         return cls(data, objective, pairs, services, every, float(upper_value), time_weight)

@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...arrays import Ints
-from ..problem import RoutingData
+from ..problem import SUMS, RoutingData
 from .edge_formulation import EdgeFormulation, Row
 
 
@@ -82,9 +82,10 @@ def _detours(data: RoutingData) -> bool:
         own = np.flatnonzero(data.can_visit[r])
         between = data.between[r][np.ix_(own, own)]
         leave, back = data.leave[r, own], data.back[r, own]
+        longest = max((float(x.max(initial=0.0)) for x in (between, leave, back)), default=0.0)
         # A way home from a robot's start is none: those that do not return have no way back.
         for via in range(len(own)):
-            onward = np.delete(between[via], via) + 1e-9
+            onward = np.delete(between[via], via) + SUMS * longest
             others = np.delete(np.arange(len(own)), via)
             if (
                 (between[np.ix_(others, others)] > between[others, via][:, None] + onward).any()

@@ -26,7 +26,8 @@ Solve = Callable[[RoutingData, Routes, StoppingCriterion], Routes]
 
 _FAR = 1e-3
 """Weight of robots between which nothing is split."""
-_BETTER = 1e-6
+_BETTER = 1e-9
+"""Share by which a subset's value falls at the minimum where it gets better."""
 
 
 def improve_robot_subsets(
@@ -74,7 +75,7 @@ def improve_robot_subsets(
             continue
         known.add(key)
         found = solve(subset, own, stop.within(seconds))
-        if objective.value(subset, found) < objective.value(subset, own) - _BETTER:
+        if objective.value(subset, found) < objective.value(subset, own) * (1.0 - _BETTER):
             routes, failures = put_back(routes, robots, found, victims), 0
             progress.offer(routes)
             # What was best beside the old routes need not be beside the new.
@@ -102,6 +103,8 @@ def subset_of(
         priority=data.priority[victims],
         endurance=data.endurance[own],
         longest_walk=data.longest_walk[own],
+        time_unit=data.time_unit,
+        priority_unit=data.priority_unit,
     )
     theirs = tuple(tuple((place[v], kinds) for v, kinds in routes[r]) for r in robots)
     return subset, theirs, victims.tolist()

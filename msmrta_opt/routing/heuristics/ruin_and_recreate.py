@@ -20,7 +20,7 @@ import numpy as np
 from ...mission.errors import InputError
 from ..objectives import DEFAULT, Objective, objective_of
 from ..parameters import HeuristicsParameters
-from ..problem import Routes, RoutingData, faults
+from ..problem import SUMS, Routes, RoutingData, faults
 from ..stop import MaximumIterations, StoppingCriterion
 
 
@@ -66,7 +66,7 @@ def ruin_and_recreate(
     search.run(stop or MaximumIterations(parameters.default_iterations))
     found = search.best_routes()
     # Sums are taken in another order here than there: equal routes are no improvement.
-    better = aim.value(data, found) < aim.value(data, routes) - 1e-9
+    better = aim.value(data, found) < aim.value(data, routes) * (1.0 - SUMS)
     return found if better else routes
 
 
@@ -100,8 +100,8 @@ class _Search:
         self.leave: list[list[float]] = data.leave.tolist()
         self.between: list[list[list[float]]] = data.between.tolist()
         self.back: list[list[float]] = data.back.tolist()
-        self.endurance = data.endurance.tolist()
-        self.longest_walk = data.longest_walk.tolist()
+        self.endurance = (data.endurance * (1.0 + SUMS)).tolist()
+        self.longest_walk = (data.longest_walk * (1.0 + SUMS)).tolist()
         self.priority = data.priority.tolist()
         self.near: dict[int, list[int]] = {v: near.tolist() for v, near in data.nearest.items()}
         self.needed = sorted(self.near)
@@ -122,7 +122,7 @@ class _Search:
     def run(self, stop: StoppingCriterion) -> None:
         """Search until `stop`, over whose time and iterations the temperature falls."""
         n_shares = 1 if self.objective.only_last else self.data.n_robots
-        scale = max(self.cost / n_shares, 1e-9)
+        scale = self.cost / n_shares
         first = self.parameters.first_temperature
         fall = self.parameters.last_temperature / first
         seconds, iterations = stop.seconds_left(), stop.maximum_iterations
@@ -153,7 +153,7 @@ class _Search:
             self.routes, self.who, self.busy, self.nearest = before
             return
         self.cost = cost
-        if cost < self.best[0] - 1e-9:
+        if cost < self.best[0] * (1.0 - SUMS):
             self.best = (cost, list(self.routes), list(self.who))
 
     def _ruin(self) -> list[int]:
@@ -210,7 +210,7 @@ class _Search:
             for r in self.able[g]:
                 delay, added, at = self._insertion(r, g)
                 total, walk = busy[r][0] + added + self.service[g], busy[r][1] + added
-                if total > self.endurance[r] + 1e-9 or walk > self.longest_walk[r] + 1e-9:
+                if total > self.endurance[r] or walk > self.longest_walk[r]:
                     continue
                 cost = total + added if self.objective.insertion == "finish" else delay
                 if perturbed and rng.random() < share:
