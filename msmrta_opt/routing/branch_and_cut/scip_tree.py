@@ -19,7 +19,7 @@ from ..parameters import BranchAndCutParameters
 from ..problem import Routes
 from ..stop import StoppingCriterion
 from .connectivity import Connectivity, Shared
-from .subproblem import Subproblem, Tree
+from .subproblem import Subproblem, Tree, TreeError
 
 _INFINITE = 1e20
 """SCIP's infinity."""
@@ -58,7 +58,13 @@ def search_by_scip(
     improved: Callable[[Routes], object],
     proved: Callable[[float], object],
 ) -> Tree:
-    """As `tree.search_tree`, by SCIP."""
+    """As `tree.search_tree`, by SCIP.
+
+    Raises
+    ------
+    TreeError
+        If SCIP does.
+    """
     formulation, known = problem.formulation, problem.known
     step = objective_step(formulation.data, formulation.objective)
     unit = step.step or 1.0
@@ -112,7 +118,12 @@ def search_by_scip(
     )
     if np.isfinite(known):
         model.setObjlimit(limit(known))
-    model.optimize()
+    try:
+        model.optimize()
+    except Exception as error:
+        # PySCIPOpt has no exceptions of its own.
+        if shared.failure is None:
+            raise TreeError(f"SCIP: {error}") from error
     if shared.failure is not None:
         raise shared.failure
     status = model.getStatus()

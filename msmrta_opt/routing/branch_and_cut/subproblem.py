@@ -36,3 +36,7 @@ class Tree:
     complete: bool
     """Whether the tree was searched to its end."""
     nodes: int
+
+
+class TreeError(Exception):
+    """A solver of the tree ended with an error of its own."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 from ..parameters import BranchAndCutParameters
 from ..problem import Routes
 from ..run_highs import highs_version
 from ..stop import StoppingCriterion
-from .subproblem import Subproblem, Tree
+from .subproblem import Subproblem, Tree, TreeError
 
 
 def search_tree(
@@ -22,6 +24,8 @@ def search_tree(
     proved: Callable[[float], object] = lambda bound: None,
 ) -> Tree:
     """Solve `problem` by branch and cut: by SCIP where it is installed, by HiGHS where not.
+
+    HiGHS solves it, too, where SCIP fails.
 
     Parameters
     ----------
@@ -38,11 +42,8 @@ def search_tree(
     proved : callable
         Told of the bound now and then.
     """
-    if has_scip():
-        from .scip_tree import search_by_scip as search
-    else:
-        from .highs_tree import search_by_highs as search
-    return search(
+    search = partial(
+        _search,
         problem,
         stop=stop or StoppingCriterion(),
         seed=seed,
@@ -50,6 +51,20 @@ def search_tree(
         improved=improved,
         proved=proved,
     )
+    try:
+        return search(by_scip=has_scip())
+    except TreeError:
+        return search(by_scip=False)
+
+
+def _search(problem: Subproblem, *, by_scip: bool, **options: Any) -> Tree:
+    if by_scip:
+        from .scip_tree import search_by_scip
+
+        return search_by_scip(problem, **options)
+    from .highs_tree import search_by_highs
+
+    return search_by_highs(problem, **options)
 
 
 def has_scip() -> bool:

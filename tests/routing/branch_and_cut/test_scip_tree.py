@@ -228,3 +228,24 @@ def test_what_a_report_raises_reaches_the_caller(what: str) -> None:
 
     with pytest.raises(KeyboardInterrupt):
         closed_in(data, "makespan", any_routes(data), callbacks=Told(refuse))
+
+
+@pytest.mark.parametrize("objective", BOTH)
+def test_where_scip_fails_highs_goes_on(objective: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    pyscipopt = pytest.importorskip("pyscipopt")
+
+    class Failing(pyscipopt.Model):  # type: ignore[misc, name-defined]
+        def optimize(self) -> None:
+            raise Exception("SCIP: error in input data!")
+
+    monkeypatch.setattr("msmrta_opt.routing.branch_and_cut.scip_tree.Model", Failing)
+    data = small_mission(1, 2, 6)
+    formulation = EdgeFormulation.of(data, objective, value(data, any_routes(data), objective))
+    found: list[Routes] = []
+    outcome = search_tree(
+        Subproblem(formulation, np.zeros(formulation.n_columns), formulation.upper, np.inf),
+        improved=found.append,
+    )
+    assert outcome.complete
+    assert outcome.bound == pytest.approx(least(data, objective))
+    assert value(data, found[-1], objective) == pytest.approx(least(data, objective))
