@@ -53,7 +53,10 @@ class RootRelaxation:
         return self.program.n_columns, self.program.n_rows
 
     def bound(self) -> float:
-        """What it proves, worked out from it and its dual values, without a solver."""
+        """What it proves, worked out from it and its dual values, without a solver.
+
+        In the units of the formulation's data.
+        """
         return dual_bound(self.program, self.dual_values)
 
     def written(self, instance: Instance, worth: float) -> RootProof | None:

@@ -37,7 +37,8 @@ def holds(data: RoutingData, objective: str, routes: Routes, bound: Bound) -> No
     if bound.root is not None:
         assert isinstance(bound.root, RootRelaxation)
         assert bound.root.bound() == dual_bound(bound.root.program, bound.root.dual_values)
-        assert bound.root.bound() <= bound.value + bound.step + 1e-6
+        unit = OBJECTIVES[objective].unit_of(bound.root.formulation.data)
+        assert bound.root.bound() * unit <= bound.value + bound.step + 1e-6
 
 
 @pytest.mark.parametrize("objective", BOTH)
