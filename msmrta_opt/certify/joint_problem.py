@@ -8,7 +8,6 @@ their greatest common divisor is exact.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -21,6 +20,8 @@ from .walking import steps_from
 
 ROUNDING = Fraction(1, 10**9)
 """Relative difference up to which two times are the same."""
+TINY = Fraction(1, 10**9)
+"""Share of a bound up to which times are tiny."""
 
 
 def figure(number: Fraction) -> str:
@@ -214,22 +215,46 @@ class Joint:
             complete[v] = max(complete.get(v, done), done)
         return complete
 
+    def _times(self, objective: str) -> list[Fraction]:
+        """What adds up to plans' values: ways, and service unless it is the same for all plans."""
+        service = () if objective == "total_time" else self.service.values()
+        return [*self.leave.values(), *self.between.values(), *service]
+
+    def _weight(self, objective: str) -> Fraction:
+        """What the weights of completion times are multiples of."""
+        weighted = objective == "latency"
+        return greatest_common_divisor(self.priority.values()) if weighted else Fraction(1)
+
     def step(self, objective: str) -> Fraction:
         """What plans' values differ by: multiples of this; 0 if they do not differ."""
-        times: Iterable[Fraction] = [*self.leave.values(), *self.between.values()]
-        if objective != "total_time":
-            times = [*times, *self.service.values()]
-        step = greatest_common_divisor(times)
-        return (
-            step * greatest_common_divisor(self.priority.values())
-            if objective == "latency"
-            else step
-        )
+        return greatest_common_divisor(self._times(objective)) * self._weight(objective)
 
     def up(self, bound: Fraction, objective: str) -> Fraction:
-        """The smallest value from `bound` on that `objective` can take."""
-        step, offset = self.step(objective), self.offset(objective)
-        return offset + step * math.ceil((bound - offset) / step) if step else max(bound, offset)
+        """The smallest value from `bound` on that `objective` can take, as far as that is known.
+
+        Values are multiples of the step. They are also multiples of the step of all but tiny times,
+        and what these add to them, which may tell more.
+        """
+        offset, step = self.offset(objective), self.step(objective)
+        if not step:
+            return max(bound, offset)
+        exactly = offset + step * math.ceil((bound - offset) / step)
+        tiny = bound * TINY
+        rest = [time for time in self._times(objective) if time > tiny]
+        step = greatest_common_divisor(rest) * self._weight(objective)
+        if not step:
+            return exactly
+        more = self._from_tiny(objective, tiny)
+        return max(exactly, offset + step * math.ceil((bound - more - offset) / step))
+
+    def _from_tiny(self, objective: str, tiny: Fraction) -> Fraction:
+        """What times up to `tiny` add to the value of any plan at the maximum."""
+        ways = [way for way in [*self.leave.values(), *self.between.values()] if way <= tiny]
+        # A robot goes to each of its victims once, and perhaps back.
+        more = max(ways, default=Fraction(0)) * (len(self.leave) + len(self.robots))
+        if objective != "total_time":
+            more += sum((time for time in self.service.values() if time <= tiny), Fraction(0))
+        return more * sum(self.priority.values()) if objective == "latency" else more
 
     def each_alone(self, objective: str) -> Fraction:
         """A bound without any dual values: each requirement as if it were the only one."""

@@ -79,6 +79,20 @@ def test_bounds_are_rounded_up_to_possible_values(corridor: Instance) -> None:
     assert joint(only).up(Fraction("2.1"), "total_time") == 5  # 2 of service, 3 of way or nothing
 
 
+def test_tiny_times_do_not_keep_bounds_from_being_rounded_up(corridor: Instance) -> None:
+    """Services of 1e-9: the makespan is a whole number of moves, and up to 2e-9 more."""
+    tiny = joint(corridor.replace(service_time={"FirstAids": 1e-9}))
+    assert tiny.step("makespan") == Fraction(1, 10**9)
+    assert tiny.up(Fraction("4.3"), "makespan") == 5
+    assert tiny.up(Fraction(5), "makespan") == 5
+    assert tiny.up(Fraction("5.000000001"), "makespan") == Fraction("5.000000001")
+    assert tiny.up(Fraction("5.0000000011"), "makespan") == Fraction("5.000000002")
+    assert tiny.up(Fraction("5.0000000031"), "makespan") == 6
+    # In latency, each of two victims is complete up to 2e-9 after a whole number.
+    assert tiny.up(Fraction("5.0000000039"), "latency") == Fraction("5.000000004")
+    assert tiny.up(Fraction("5.0000000041"), "latency") == 6
+
+
 def test_each_requirement_alone_is_a_bound(corridor: Instance) -> None:
     """Victim 1 is 3 away; service takes 4 in all, 2 of it at victim 1."""
     assert joint(corridor).each_alone("total_time") == 7
