@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from msmrta_opt import cli
 from msmrta_opt.mission.errors import CheckError, InputError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import plan, planners
 from msmrta_opt.planners.support.planner import Planner
+from msmrta_opt.studies.specification import Study
 
 
 @pytest.fixture
@@ -171,3 +175,49 @@ def test_planning_imports_nothing_that_was_not_loaded_before_the_clock(
     lines = ended.stdout.splitlines()
     assert len(lines) == len(planners()) + len(LOADING), ended.stderr
     assert [line for line in lines if not line.endswith(" []")] == []
+
+
+OWN = '''
+from msmrta_opt.planners import greedy
+from msmrta_opt.planners.support.baseline import plan_by
+from msmrta_opt.planners.support.planner import Planner
+
+
+def run(instance, *, seed=0, patience=3):
+    """Plan as the greedy planner does."""
+    options = {"patience": patience}
+    return plan_by(greedy.allocate, instance, planner=PLANNER, seed=seed, options=options)
+
+
+PLANNER = Planner("patient", "waits for nothing", run, formulations=lambda _: ["cluster_fair"])
+'''
+
+
+def test_a_planner_is_one_file(
+    corridor: Instance,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Planning, commands and studies know it by what it declares."""
+    (tmp_path / "patient.py").write_text(OWN)
+    corridor.save(tmp_path / "corridor.json")
+    (tmp_path / "study.toml").write_text(
+        'title = "one"\n[[instances]]\nfiles = ["corridor.json"]\n'
+        '[[planners]]\nplanner = "patient"\npatience = [1, 2]\n'
+    )
+    package = importlib.import_module("msmrta_opt.planners")
+    monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
+    monkeypatch.setattr(package, "planners", cache(package.planners.__wrapped__))
+    for module in ("msmrta_opt.studies.runs", "msmrta_opt.planners.patient"):
+        monkeypatch.delitem(sys.modules, module, raising=False)
+    made = plan(corridor, planner="patient", patience=5)
+    assert (made.planner, made.options) == ("patient", {"seed": 0, "patience": 5})
+    assert cli.run(["planners"]) == 0
+    assert "waits for nothing" in capsys.readouterr().out
+    runs = importlib.import_module("msmrta_opt.studies.runs").runs
+    contenders = runs(Study.read(tmp_path / "study.toml"))
+    assert [run.contender for run in contenders] == [
+        "patient, patience = 1",
+        "patient, patience = 2",
+    ]
