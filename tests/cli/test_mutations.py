@@ -61,10 +61,9 @@ def assert_survives(
         return
     commands: list[tuple[object, ...]] = [("check", path)]
     if suffix == ".json":
-        commands.append(
-            ("plan", path, "--planner", draw.choice(["greedy", "random", "ssi", "mrga"]))
-        )
-        commands += [("plan", path), ("scout", path, "--steps", "3")]
+        planner = draw.choice(["msmrta", "greedy", "random", "ssi", "mrga"])
+        scout = ("scout", path, "--steps", "3")
+        commands.append(draw.choice([("plan", path, "--planner", planner), scout]))
     elif suffix == ".map":
         commands = [("generate", "--map", path, "--robots", "1", "--victims", "1", "--kinds", "1")]
     for command in commands:
