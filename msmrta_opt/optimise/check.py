@@ -1,17 +1,28 @@
 """The independent check of solutions and bounds: numpy on the program's arrays, no solver.
 
-What fails it is never shown as a result.
+What fails it is never shown as a result. A row of whole numbers on whole-number columns is checked
+exactly. Any other on whole-number columns may be missed by the rounding of its own numbers, and a row
+with continuous columns by what solvers allow themselves, each relative to the size of the row's terms.
 """
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 
-from ..arrays import Floats
+from ..arrays import Bools, Floats
 from .program import Program
+from .scaling import scaling
 
 TOLERANCE = 1e-6
-"""How far a row or bound may be missed, relative to the size of its terms."""
+"""How far a row with continuous columns or a bound may be missed, relative to the size of its terms."""
+ROUNDING = 1e-12
+"""The same of a row on whole-number columns: what its decimals may be off by."""
+WIDE = 1e7
+"""Ratio of numbers in one row from which tolerances of solvers hide the smaller."""
+LARGEST_EXACT = 2.0**53
+"""Sums of whole numbers up to this are exact in floating point."""
 
 
 def settled(program: Program, x: Floats) -> Floats:
@@ -46,35 +57,162 @@ def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
     if x.shape != (program.n_columns,) or not np.isfinite(x).all():
         return [f"the point has shape {x.shape} or values that are not finite"]
     found: list[tuple[float, str]] = []
-
-    activity = program.matrix @ x
-    missed = np.maximum(program.row_lower - activity, activity - program.row_upper)
-    scale = np.ones(len(missed))
-    if not np.all(missed <= TOLERANCE):  # what is not missed at all is not in any scale
-        scale += np.abs(program.matrix) @ np.abs(x)
-    missed = missed / scale
+    missed, allowed = row_misses(program, x)
+    wrong = ~(missed <= allowed)
     found.extend(
-        (missed[i], f"row '{program.row_name(i)}' is missed by {missed[i] * scale[i]:.2g}")
-        for i in _worst(missed, most)
+        (float(missed[i]), f"row '{program.row_name(int(i))}' is missed by {missed[i]:.2g}")
+        for i in _worst(missed, wrong, most)
     )
     outside = np.maximum(program.lower - x, x - program.upper) / (1.0 + np.abs(x))
     found.extend(
         (outside[j], f"{program.column_name(j)} = {x[j]:g} is outside its bounds")
-        for j in _worst(outside, most)
+        for j in _worst(outside, ~(outside <= TOLERANCE), most)
     )
     fraction = np.where(program.integer, np.abs(x - np.round(x)), 0.0)
     found.extend(
         (fraction[j], f"{program.column_name(j)} = {x[j]:g} is not integral")
-        for j in _worst(fraction, most)
+        for j in _worst(fraction, ~(fraction <= TOLERANCE), most)
     )
     return [text for _, text in sorted(found, key=lambda item: -item[0])[:most]]
 
 
-def _worst(missed: Floats, most: int) -> list[int]:
-    """Positions that miss by more than the tolerance, or by what is not a number, worst first."""
-    wrong = np.flatnonzero(~(missed <= TOLERANCE))
-    by_how_much = np.where(np.isnan(missed[wrong]), np.inf, missed[wrong])
-    return [int(i) for i in wrong[np.argsort(-by_how_much, kind="stable")][:most]]
+def largest_violation(program: Program, x: Floats) -> float:
+    """The largest share of its terms by which a row is missed at `x`; 0 if none is."""
+    missed, _ = row_misses(program, x)
+    terms = np.abs(program.matrix) @ np.abs(x)
+    share = np.divide(missed, terms, out=np.zeros_like(missed), where=(missed > 0) & (terms > 0))
+    return float(share.max(initial=0.0))
+
+
+def row_misses(program: Program, x: Floats) -> tuple[Floats, Floats]:
+    """By how much each row is missed at `x`, 0 or less if it is not, and by how much it may be."""
+    activity = program.matrix @ x
+    missed = np.maximum(program.row_lower - activity, activity - program.row_upper)
+    sizes = (np.abs(part).max(initial=0.0) for part in (program.matrix.data, x))
+    if (missed <= 0).all() and np.prod([*sizes, program.n_columns]) < LARGEST_EXACT:
+        return missed, np.zeros_like(missed)
+    whole, decimal = kinds_of_rows(program)
+    terms = np.abs(program.matrix) @ np.abs(x)
+    sides = np.maximum(
+        np.where(np.isfinite(program.row_lower), np.abs(program.row_lower), 0.0),
+        np.where(np.isfinite(program.row_upper), np.abs(program.row_upper), 0.0),
+    )
+    unit = 1.0 / scaling(program).row
+    allowed = np.where(decimal, ROUNDING * np.maximum(terms, sides), TOLERANCE * (unit + terms))
+    allowed[whole] = 0.0
+    allowed[np.diff(program.matrix.indptr) == 0] = TOLERANCE
+    for i in np.flatnonzero(whole & (np.maximum(terms, sides) >= LARGEST_EXACT)):
+        missed[i] = _missed_in_integers(program, x, int(i))
+    return missed, allowed
+
+
+def is_badly_scaled(program: Program) -> bool:
+    """Whether a row or the objective has numbers so different that tolerances hide the small ones."""
+    size = np.abs(program.matrix.data)
+    limits = [(np.inf, 0.0)]
+    if size.size:
+        rows = np.repeat(np.arange(program.n_rows), np.diff(program.matrix.indptr))[size > 0]
+        low, high = np.full(program.n_rows, np.inf), np.zeros(program.n_rows)
+        np.minimum.at(low, rows, size[size > 0])
+        bounds = np.maximum(np.abs(program.lower), np.abs(program.upper))
+        reach = np.where(program.integer & np.isfinite(bounds), np.maximum(bounds, 1.0), 1.0)
+        np.maximum.at(high, rows, (size * reach[program.matrix.indices])[size > 0])
+        limits += list(zip(low, high, strict=True))
+    costs = np.abs(program.cost[program.cost != 0])
+    if costs.size:
+        limits.append((costs.min(), costs.max()))
+    return any(high > WIDE * low for low, high in limits)
+
+
+def kinds_of_rows(program: Program) -> tuple[Bools, Bools]:
+    """Which rows are of whole numbers on whole-number columns, and which of others on these."""
+    matrix = program.matrix
+    rows = np.repeat(np.arange(program.n_rows), np.diff(matrix.indptr))
+
+    def none(entries: Bools) -> Bools:
+        return np.asarray(np.bincount(rows[entries], minlength=program.n_rows) == 0)
+
+    on_whole = none(~program.integer[matrix.indices] & (matrix.data != 0))
+    sides = [
+        np.isinf(side) | (side == np.round(side)) for side in (program.row_lower, program.row_upper)
+    ]
+    whole = on_whole & none(matrix.data != np.round(matrix.data)) & sides[0] & sides[1]
+    return whole, on_whole & ~whole
+
+
+def _missed_in_integers(program: Program, x: Floats, row: int) -> float:
+    """By how much a row of whole numbers is missed, without any rounding."""
+    entries = slice(program.matrix.indptr[row], program.matrix.indptr[row + 1])
+    terms = zip(program.matrix.data[entries], x[program.matrix.indices[entries]], strict=True)
+    activity = sum(int(a) * round(float(value)) for a, value in terms)
+    lower, upper = program.row_lower[row], program.row_upper[row]
+    below = int(lower) - activity if np.isfinite(lower) else -1
+    above = activity - int(upper) if np.isfinite(upper) else -1
+    return float(max(below, above))
+
+
+def _worst(missed: Floats, wrong: Bools, most: int) -> list[int]:
+    """Positions of what is wrong, or not a number, worst first."""
+    places = np.flatnonzero(wrong)
+    by_how_much = np.where(np.isnan(missed[places]), np.inf, missed[places])
+    return [int(i) for i in places[np.argsort(-by_how_much, kind="stable")][:most]]
+
+
+def proves_infeasible(program: Program, ray: Floats) -> bool:
+    """Whether `ray`, one multiplier for each row, proves in fractions that the relaxation is infeasible.
+
+    By Farkas' lemma: the rows, so multiplied and added, ask for more than the bounds allow, by more than
+    the rounding of the rows' own numbers. A ray that solvers rounded is also tried as the simple
+    fractions near to it.
+    """
+    if (largest_reach(program) < -TOLERANCE).any():
+        return True
+    largest = float(np.abs(ray).max(initial=0.0)) if np.isfinite(ray).all() else 0.0
+    if largest == 0:
+        return False
+    shares = [Fraction(float(share)) for share in ray / largest]
+    simple = [share.limit_denominator(1000) for share in shares]
+    return any(
+        _asks_too_much(program, [sign * share for share in trial])
+        for trial in (simple, shares)
+        for sign in (1, -1)
+    )
+
+
+def largest_reach(program: Program) -> Floats:
+    """How far each row can go beyond what it asks within the bounds, relative to its sides."""
+    up, down = program.matrix.maximum(0), program.matrix.minimum(0)
+    with np.errstate(invalid="ignore"):
+        high = up @ program.upper + down @ program.lower
+        low = up @ program.lower + down @ program.upper
+        reach = np.minimum(high - program.row_lower, program.row_upper - low)
+        sides = np.minimum(np.abs(program.row_lower), np.abs(program.row_upper))
+        share = reach / np.maximum(sides, 1e-300)
+    return np.where(np.isfinite(share), share, 0.0)
+
+
+def _asks_too_much(program: Program, ray: list[Fraction]) -> bool:
+    matrix = program.matrix
+    whole, _ = kinds_of_rows(program)
+    weight: dict[int, Fraction] = {}
+    spare, loose = Fraction(0), Fraction(0)
+    for i in [i for i, share in enumerate(ray) if share]:
+        side = (program.row_lower if ray[i] > 0 else program.row_upper)[i]
+        if not np.isfinite(side):
+            return False
+        spare += ray[i] * Fraction(float(side))
+        if not whole[i]:
+            loose += abs(ray[i]) * abs(Fraction(float(side)))
+        for k in range(matrix.indptr[i], matrix.indptr[i + 1]):
+            j = int(matrix.indices[k])
+            weight[j] = weight.get(j, Fraction(0)) + ray[i] * Fraction(float(matrix.data[k]))
+    for j, total in weight.items():
+        if total:
+            end = (program.upper if total > 0 else program.lower)[j]
+            if not np.isfinite(end):
+                return False
+            spare -= total * Fraction(float(end))
+    return spare > loose * Fraction(ROUNDING)
 
 
 def dual_bound(program: Program, duals: Floats) -> float:
@@ -91,18 +229,19 @@ def dual_bound(program: Program, duals: Floats) -> float:
         For a minimisation of ``sign * cost``: positive duals lean on ``row_lower``, negative ones
         on ``row_upper``.
     """
-    duals, of_rows = _leaning(duals, program.row_lower, program.row_upper)
+    rounding = 1e-9 * float(np.abs(program.cost).max(initial=0.0))
+    duals, of_rows = _leaning(duals, program.row_lower, program.row_upper, rounding)
     reduced = program.sign * program.cost - program.matrix.T @ duals
-    _, of_columns = _leaning(reduced, program.lower, program.upper)
+    _, of_columns = _leaning(reduced, program.lower, program.upper, rounding)
     return program.sign * (of_rows + of_columns) + program.offset
 
 
-def _leaning(weight: Floats, lower: Floats, upper: Floats) -> tuple[Floats, float]:
+def _leaning(weight: Floats, lower: Floats, upper: Floats, rounding: float) -> tuple[Floats, float]:
     """`weight` without what leans on an infinite side by no more than rounding, and what it proves.
 
     That is the least value of ``weight @ z`` over ``lower ≤ z ≤ upper``.
     """
     side = np.where(weight > 0, lower, upper)
-    weight = np.where(np.isinf(side) & (np.abs(weight) < 1e-9), 0.0, weight)
+    weight = np.where(np.isinf(side) & (np.abs(weight) <= rounding), 0.0, weight)
     leans = weight != 0
     return weight, float(np.sum(weight[leans] * side[leans]))

@@ -23,10 +23,15 @@ from typing import Any, Literal
 import numpy as np
 
 from ..arrays import Bools, Ints
+from ..interruption import interrupted, interruptible
+from .check import proves_infeasible, settled, violations
 from .compile import compile_for
 from .program import Program
 from .registry import Formulation
-from .solvers import Options, highs
+from .scaling import scaled, scaling
+from .settle import settle
+from .solvers import Options, highs, solvers
+from .solvers.base import refuse_dropped
 
 NODES = 1_000
 """Branch-and-bound nodes to try one deletion: without its bounds an integer program may need
@@ -114,24 +119,41 @@ def explain_program(
     """Say why arrays, from wherever they come, have no feasible point; see `explain`."""
     options = Options(time_limit=time_limit)
     deadline = np.inf if time_limit is None else time.perf_counter() + time_limit
-    relaxation = _System(program.relaxed(), options, deadline)
-    conflict = relaxation.everything
-    verdict = relaxation.is_infeasible(conflict)
-    if verdict:
-        method = "deletion filter with linear programs"
-        found = relaxation.conflict_by_highs()
-        if relaxation.is_infeasible(found):
-            conflict, method = found, f"elastic program of HiGHS, then {method}"
-        conflict, irreducible = _filtered(relaxation, conflict)
-        return _explanation(program, name, method, conflict, irreducible, integrality=False)
-    if verdict is False and program.integer.any():
-        system = _System(program, options, deadline)
+    with interruptible():
+        return _explained(program, options, deadline, name)
+
+
+def _explained(program: Program, options: Options, deadline: float, name: str) -> Explanation:
+    truth = None if time.perf_counter() >= deadline else settle(program)
+    if truth is not None and truth.x is not None:
+        return Explanation(name, "feasible")
+    for integrality in (False, True):
+        system = _System(program if integrality else program.relaxed(), options, deadline)
+        if integrality and not program.integer.any():
+            break
+        conflict = system.everything
         verdict = system.is_infeasible(conflict)
-        if verdict:
-            method = "deletion filter with integer programs"
-            conflict, irreducible = _filtered(system, conflict)
-            return _explanation(program, name, method, conflict, irreducible, integrality=True)
-    return Explanation(name, "unknown" if verdict is None else "feasible")
+        if verdict is None and truth is None:
+            return Explanation(name, "unknown")
+        if not verdict:
+            continue
+        what = "integer" if integrality else "linear"
+        method = f"deletion filter with {what} programs"
+        if not integrality:
+            found = system.conflict_by_highs()
+            if system.is_infeasible(found):
+                conflict, method = found, f"elastic program of HiGHS, then {method}"
+        conflict, irreducible = _filtered(system, conflict)
+        if system.certifies(conflict):
+            return _explanation(
+                program, name, method, conflict, irreducible, integrality=integrality
+            )
+        if truth is None:
+            return Explanation(name, "unknown")
+        break
+    if truth is not None:
+        return _explanation(program, name, truth.proof, system.everything, False, integrality=True)
+    return Explanation(name, "feasible")
 
 
 class _System:
@@ -143,11 +165,16 @@ class _System:
     def __init__(self, program: Program, options: Options, deadline: float) -> None:
         import highspy
 
-        self.program = replace(program, cost=np.zeros(program.n_columns))
+        self.own = replace(program, cost=np.zeros(program.n_columns))
+        self.program = scaled(self.own, scaling(self.own))
+        refuse_dropped("highs", self.own, self.program)
         self.deadline = deadline
         self._statuses = highspy.HighsModelStatus
         self._highs: Any = highspy.Highs()
         highs.set_options(self._highs, options, integer=bool(program.integer.any()))
+        if program.integer.any():  # its presolve is wrong now and then, and may not end
+            self._highs.setOptionValue("presolve", "off")
+        highs.heed_interruption(self._highs)
         self._highs.passModel(highs.model(highspy, self.program))
 
     @property
@@ -159,8 +186,8 @@ class _System:
 
     @property
     def time_is_up(self) -> bool:
-        """Whether the deadline has passed."""
-        return time.perf_counter() >= self.deadline
+        """Whether the deadline has passed, or the user wants an end."""
+        return time.perf_counter() >= self.deadline or interrupted()
 
     def is_infeasible(self, members: Bools, *, nodes: int | None = None) -> bool | None:
         """Whether no point satisfies `members`; ``None`` if it was not found out."""
@@ -173,9 +200,44 @@ class _System:
         status = self._highs.getModelStatus()
         if status == self._statuses.kInfeasible:
             return True
-        if status in (self._statuses.kOptimal, self._statuses.kModelEmpty):
+        if status == self._statuses.kModelEmpty:
             return False
+        if status == self._statuses.kOptimal:
+            x = np.array(self._highs.getSolution().col_value) * scaling(self.own).column
+            part = self.part(members)
+            return None if violations(part, settled(part, x)) else False
         return None
+
+    def part(self, members: Bools) -> Program:
+        """The program with `members` alone."""
+        program = self.own
+        rows, lower, upper = np.split(members, [program.n_rows, program.n_rows + program.n_columns])
+        return replace(
+            program,
+            row_lower=np.where(rows, program.row_lower, -np.inf),
+            row_upper=np.where(rows, program.row_upper, np.inf),
+            lower=np.where(lower, program.lower, -np.inf),
+            upper=np.where(upper, program.upper, np.inf),
+        )
+
+    def certifies(self, members: Bools) -> bool:
+        """Whether it is beyond HiGHS' word that no point satisfies `members`."""
+        part = self.part(members).with_whole_bounds()
+        if (part.lower > part.upper).any() or (part.row_lower > part.row_upper).any():
+            return True
+        if not part.integer.any():
+            ray = highs.infeasible_ray(scaled(part, scaling(part)), Options())
+            ray = np.zeros(part.n_rows) if ray is None else ray * scaling(part).row
+            return proves_infeasible(part, ray)
+        truth = settle(part)
+        if truth is not None:
+            return truth.x is None
+        other = solvers()["scip"]
+        if not other.installed:
+            return True
+        left = self.deadline - time.perf_counter()
+        limit = min(max(left, 0.0), 30.0)
+        return other.solve(part, Options(time_limit=limit)).status in ("infeasible", "no_solution")
 
     def conflict_by_highs(self) -> Bools:
         """The members that HiGHS takes to be infeasible, not verified and not all needed."""

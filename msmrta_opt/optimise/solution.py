@@ -20,6 +20,8 @@ Status = Literal[
     "no_solution",  # stopped without one
     "infeasible",  # proven
     "unbounded",  # proven
+    "claimed",  # an optimum by one solver's word, of numbers of very different size
+    "contradicted",  # a solver's word that a checked point refutes; see the message
     "error",  # see the message
     "skipped",  # not attempted; see the message
 ]
@@ -50,23 +52,34 @@ class Solution:
     message: str = ""
     parameters: dict[str, float] = field(default_factory=dict)
     options: dict[str, object] = field(default_factory=dict)
+    start: str = ""
+    """What became of a MIP start, if one was given."""
+    tolerances: dict[str, float] = field(default_factory=dict)
+    """What rows may miss, relative to their terms, and what the solver was content with, on the
+    scaled program."""
+    violation: float = 0.0
+    """The largest share of its terms by which a row is missed."""
+    offset: float = 0.0
+    """The constant of the objective, which is no part of any gap."""
     canonicalise_seconds: float = 0.0
     solve_seconds: float = 0.0
     nodes: int | None = None
     n_variables: int = 0
     n_rows: int = 0
     duals: dict[str, NDArray[np.float64]] = field(default_factory=dict, repr=False)
-    """Dual values by constraint label, where the proof is LP duality."""
+    """Dual values by constraint label, where the proof is LP duality: what a unit more of a row's side
+    changes the optimal value by, in the model's own sense, for every solver alike."""
     blocks: tuple[Block, ...] = field(default=(), repr=False)
     """The variables, then the constraints, with the ids along their dimensions."""
 
     @property
     def gap(self) -> float | None:
-        """Relative gap, ``|objective - bound| / max(|objective|, 1e-9)``; 0 when proven optimal."""
+        """Relative gap, ``|objective - bound| / |objective - offset|``; 0 when proven optimal."""
         if self.objective is None or self.bound is None:
             return None
         difference = abs(self.objective - self.bound)
-        return difference / max(abs(self.objective), 1e-9) if difference else 0.0
+        size = abs(self.objective - self.offset) or max(abs(self.bound - self.offset), 1e-300)
+        return difference / size if difference else 0.0
 
     @property
     def found(self) -> bool:

@@ -59,7 +59,13 @@ class Compiled:
         """
         values = parameter_values(self.formulation, parameters)
         for name, parameter in self._parameters.items():
-            parameter.value = values[name]
+            try:
+                parameter.value = values[name]
+            except ValueError as error:  # it is declared as a whole number, or with a sign
+                said = str(error).removeprefix("Parameter value must be ").rstrip(".")
+                raise InputError(
+                    f"{values[name]:g}; give a value that is {said}", field=name
+                ) from None
         canonical = self._canonical
         cost, offset, matrix, right, lower, upper = canonical.numbers()
         numbers = (cost, [offset], matrix.data)

@@ -7,7 +7,8 @@ rows of ``cp.sum(x, axis=0) <= 1`` hold one cluster each and every robot, so the
 Where the rows hold none of these variables, lengths decide, then the order of the data's axes.
 
 A label is filled by the names in its braces, in whatever order the sentence has them. What a brace names
-must be an axis of the constraint, or the label is refused.
+must be an axis of the constraint, or the label is refused. Rows without any variable of the stage may
+have axes of the modeller's own, under other names; these are numbered.
 """
 
 from __future__ import annotations
@@ -88,6 +89,9 @@ class _Names:
     def row(self, block: Block, read: Sequence[Block]) -> Block:
         """A constraint with its axes, by its label and by the variables `read` in its rows."""
         braces = set(BRACES.findall(block.name))
+        own = not any(self._along(block, variable) for variable in read)
+        if not braces <= self.ids.keys() and own and len(braces) <= len(block.shape):
+            return block  # axes of the modeller's own, which have no ids
         if not braces <= self.ids.keys():
             raise ModelError(
                 f"{self.name}: label {block.name!r} names {{{min(braces - self.ids.keys())}}}; the"
@@ -122,7 +126,7 @@ class _Names:
         for row in rows:
             for (d, e), found in self._along(row, block).items():
                 same = found is not None and np.array_equal(found, np.arange(block.shape[e]))
-                if found is not None and same and row.letters[d]:
+                if found is not None and same and d < len(row.letters) and row.letters[d]:
                     places[e][row.letters[d]] = found
         choices = [
             ["", *(x for x in self.ids if len(self.ids[x]) == n and (not of or x in of))]

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Literal, get_args
 
+import numpy as np
+
 from ...arrays import Floats
 from ...mission.errors import InputError, SolverError, UnsupportedError
 from ..program import Program
+from ..scaling import scaled, scaling
 from ..solution import Status
 
 Ability = Literal[
     "integer", "lp", "time_limit", "gap", "seed", "threads", "start", "verbose", "bound", "duals"
 ]
+SMALLEST, LARGEST = 1e-9, 1e15
+"""Solvers drop scaled coefficients up to the one, and refuse those from the other on."""
 EVERY_ABILITY: frozenset[Ability] = frozenset(get_args(Ability))
 
 
@@ -46,6 +51,8 @@ class Options:
     threads: int | None = None
     start: Floats | None = None
     verbose: bool = False
+    presolve: bool = True
+    """Whether the solver may restate the program first; for a second look at what it said."""
 
     def __post_init__(self) -> None:
         if self.time_limit is not None and not self.time_limit >= 0:
@@ -111,6 +118,8 @@ class Solver:
     install: str
     abilities: frozenset[Ability]
     run: Callable[[Program, Options], Outcome] = field(compare=False, repr=False)
+    tolerances: Mapping[str, float] = field(default_factory=dict, compare=False)
+    """Absolute tolerances within which it calls a row satisfied and a value integral."""
     rank: int = 100
     """Place in lists."""
     available: Callable[[], bool] | None = field(default=None, compare=False, repr=False)
@@ -145,4 +154,48 @@ class Solver:
             raise UnsupportedError(f"solver {self.name} cannot do integer programs")
         if not program.integer.all() and "lp" not in self.abilities:
             raise UnsupportedError(f"solver {self.name} cannot do continuous variables")
-        return self.run(program, options)
+        factors = scaling(program)
+        sent = scaled(program, factors)
+        refuse_dropped(self.name, program, sent)
+        start = None if options.start is None else options.start / factors.column
+        outcome = self.run(sent, replace(options, start=start))
+        x = outcome.x
+        if x is not None and x.shape == factors.column.shape:
+            x = x * factors.column
+        return replace(
+            outcome,
+            x=x,
+            bound=None if outcome.bound is None else outcome.bound * factors.unit + program.offset,
+            duals=None if outcome.duals is None else outcome.duals * factors.row * factors.unit,
+        )
+
+
+def refuse_dropped(name: str, program: Program, sent: Program) -> None:
+    """Refuse coefficients that solvers would drop or refuse, named by row and column.
+
+    Parameters
+    ----------
+    name : str
+        The solver's.
+    program, sent : Program
+        The program, and what is sent of it, scaled.
+
+    Raises
+    ------
+    UnsupportedError
+        For the first of them.
+    """
+    size = np.abs(sent.matrix.data)
+    wrong = ((size > 0) & (size <= SMALLEST)) | (size >= LARGEST)
+    if not wrong.any():
+        return
+    entry = int(np.flatnonzero(wrong)[0])
+    row = int(np.searchsorted(program.matrix.indptr, entry, side="right")) - 1
+    entries = slice(program.matrix.indptr[row], program.matrix.indptr[row + 1])
+    largest = float(np.abs(program.matrix.data[entries]).max())
+    raise UnsupportedError(
+        f"solver {name} cannot do row '{program.row_name(row)}': the coefficient"
+        f" {program.matrix.data[entry]:g} of"
+        f" {program.column_name(int(program.matrix.indices[entry]))} beside {largest:g};"
+        " give coefficients of a row within a factor of 1e9, for instance a smaller big M"
+    )

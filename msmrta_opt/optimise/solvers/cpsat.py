@@ -211,5 +211,6 @@ SOLVER = Solver(
         ["integer", "time_limit", "gap", "seed", "threads", "start", "verbose", "bound"]
     ),
     run=run,
+    tolerances={"feasibility": FEASIBILITY},
     rank=3,
 )

@@ -153,5 +153,6 @@ SOLVER = Solver(
     install="pip install swiglpk",
     abilities=frozenset(["integer", "lp", "time_limit", "gap", "verbose", "bound", "duals"]),
     run=run,
+    tolerances={"feasibility": 1e-7, "integrality": 1e-7},
     rank=4,
 )

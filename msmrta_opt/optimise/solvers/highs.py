@@ -8,9 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Floats
+from ...interruption import interrupted
 from ...mission.errors import SolverError
 from ..program import Program
 from .base import EVERY_ABILITY, Options, Outcome, Solver
+from .outcomes import unbounded_or_infeasible
+
+SMALL = 60
+"""Columns and rows of an integer program up to which HiGHS goes without its presolve: it calls some
+feasible ones infeasible, and is now and then caught in an endless loop, where it has little to gain."""
 
 _threads_in_use: int | None = None
 
@@ -25,19 +32,48 @@ def run(program: Program, options: Options) -> Outcome:
     began = time.perf_counter()
     program = program.with_whole_bounds()
     highs = highspy.Highs()
-    set_options(highs, options, integer=bool(program.integer.any()))
+    size = program.n_columns + program.n_rows
+    set_options(highs, options, integer=bool(program.integer.any()), size=size)
     highs.passModel(model(highspy, program))
     if options.start is not None:
         known = np.flatnonzero(np.isfinite(options.start))
         highs.setSolution(len(known), known.astype(np.int32), options.start[known])
+    heed_interruption(highs)
     highs.run()
-    outcome = _outcome(highspy, highs, program)
-    if outcome.status == "error" and "or infeasible" in outcome.message:
-        return _unbounded_or_infeasible(program, options, began)
-    return outcome
+    if highs.getModelStatus() == highspy.HighsModelStatus.kUnboundedOrInfeasible:
+        return unbounded_or_infeasible(run, program, options, began)
+    return _outcome(highspy, highs, program)
 
 
-def set_options(highs: Any, options: Options, *, integer: bool) -> None:
+def heed_interruption(highs: Any) -> None:
+    """Let HiGHS end, with the best that it has, once the user asks for it."""
+
+    def look(event: Any) -> None:
+        if interrupted():
+            event.interrupt()
+
+    highs.cbMipInterrupt += look
+    highs.cbSimplexInterrupt += look
+
+
+def infeasible_ray(program: Program, options: Options) -> Floats | None:
+    """Multipliers of the rows that, by HiGHS, prove the relaxation of `program` infeasible, if it is."""
+    import highspy
+
+    highs = highspy.Highs()
+    set_options(highs, replace(options, gap=None), integer=False)
+    highs.setOptionValue("presolve", "off")
+    relaxed = program.relaxed()
+    highs.passModel(model(highspy, replace(relaxed, cost=np.zeros(program.n_columns))))
+    heed_interruption(highs)
+    highs.run()
+    if highs.getModelStatus() != highspy.HighsModelStatus.kInfeasible:
+        return None
+    _, found, ray = highs.getDualRay()
+    return np.array(ray, dtype=float) if found else None
+
+
+def set_options(highs: Any, options: Options, *, integer: bool, size: int = SMALL + 1) -> None:
     """Set the common options on a Highs object; defaults prove optimality on one thread."""
     # HiGHS has one scheduler per process; a new number of threads needs a new scheduler.
     global _threads_in_use
@@ -55,6 +91,8 @@ def set_options(highs: Any, options: Options, *, integer: bool) -> None:
     }
     if not integer:
         values["solver"] = "simplex"
+    elif options.presolve is False or size <= SMALL:
+        values["presolve"] = "off"
     if options.time_limit is not None:
         values["time_limit"] = options.time_limit
     for name, value in values.items():
@@ -104,8 +142,6 @@ def _outcome(highspy: Any, highs: Any, program: Program) -> Outcome:
         return Outcome("infeasible", nodes=nodes, message=name)
     if model_status == statuses.kUnbounded:
         return Outcome("unbounded", x, nodes=nodes, message=name)
-    if model_status == statuses.kUnboundedOrInfeasible:
-        return Outcome("error", message="unbounded or infeasible")
     stopped = (
         statuses.kTimeLimit,
         statuses.kInterrupt,
@@ -133,22 +169,6 @@ def _own_bound(program: Program, bound: float) -> float | None:
     return program.sign * bound if np.isfinite(bound) else None
 
 
-def _unbounded_or_infeasible(program: Program, options: Options, began: float) -> Outcome:
-    """Tell the two apart: without a cost, only infeasibility remains."""
-    left = options.time_limit
-    if left is not None:
-        left = max(left - (time.perf_counter() - began), 0.0)
-    costless = replace(program, cost=np.zeros(program.n_columns))
-    answer = run(costless, replace(options, time_limit=left, start=None))
-    if answer.status == "optimal":
-        return Outcome("unbounded", answer.x, message="unbounded")
-    if answer.status == "infeasible":
-        return answer
-    return Outcome(
-        "no_solution", message="unbounded or infeasible, and stopped before it was known"
-    )
-
-
 SOLVER = Solver(
     name="highs",
     title="HiGHS, simplex and branch and bound",
@@ -157,5 +177,6 @@ SOLVER = Solver(
     install="pip install highspy",
     abilities=EVERY_ABILITY,
     run=run,
+    tolerances={"feasibility": 1e-7, "integrality": 1e-6},
     rank=1,
 )

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from typing import Any
 
 import numpy as np
 
+from ...interruption import interrupted
 from ..program import Program
 from .base import Options, Outcome, Solver
 from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible
+
+POLLED = 0.05
+"""Seconds from one look at whether to stop to the next."""
 
 
 @relaxation_first
@@ -26,15 +31,28 @@ def run(program: Program, options: Options) -> Outcome:
     variables = _fill(pyscipopt, model, program)
     if options.start is not None:
         _give_start(model, variables, options.start)
-    model.optimize()
+    _optimize(model)
     status = model.getStatus()
     if status in ("unbounded", "inforunbd"):
         return unbounded_or_infeasible(run, program, options, began)
     return _outcome(model, variables, program, status)
 
 
+def _optimize(model: Any) -> None:
+    """Let SCIP work beside this thread, which listens for an interruption meanwhile."""
+    working = threading.Thread(target=model.optimizeNogil, daemon=True)
+    working.start()
+    while working.is_alive():
+        working.join(POLLED)
+        if interrupted() and working.is_alive():
+            model.interruptSolve()
+
+
 def _set_options(model: Any, options: Options) -> None:
     model.hideOutput(not options.verbose)
+    model.setParam("misc/catchctrlc", False)
+    if not options.presolve:
+        model.setParam("presolving/maxrounds", 0)
     model.setParam("randomization/randomseedshift", options.seed or 0)
     model.setParam("limits/gap", options.gap or 0.0)
     # A partial start may leave open as many variables as it likes.
@@ -109,5 +127,6 @@ SOLVER = Solver(
         ["integer", "lp", "time_limit", "gap", "seed", "start", "verbose", "bound"]
     ),
     run=run,
+    tolerances={"feasibility": 1e-6, "integrality": 1e-6},
     rank=2,
 )

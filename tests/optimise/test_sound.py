@@ -1,0 +1,232 @@
+"""No wrong "optimal", no wrong "infeasible": what badly scaled programs and solvers' slips come to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support.programs import INF, program
+
+from msmrta_opt.mission.errors import InputError, UnsupportedError
+from msmrta_opt.optimise.check import proves_infeasible, violations
+from msmrta_opt.optimise.compile import compile_formulation
+from msmrta_opt.optimise.explain import explain_program
+from msmrta_opt.optimise.formulation import Parameter
+from msmrta_opt.optimise.program import Program
+from msmrta_opt.optimise.scaling import scaled, scaling
+from msmrta_opt.optimise.settle import settle
+from msmrta_opt.optimise.solve import solve_program
+from msmrta_opt.optimise.solvers import Options, Outcome, get, solvers
+
+FREE = ("auto", "highs", "scip", "glpk")
+every = pytest.mark.parametrize("solver", FREE)
+
+
+def four_rows(sign: float) -> Program:
+    """Feasible at a, b, c, d, e, z = 0, 1, 4, 0, 1, 7, by hand."""
+    rows = [[0, 7, 0, 4, 0, 1], [0, 0, -5, 0, 0, 5], [6, 0, 2, 0, 7, 8], [-9, 0, 0, 0, 0, 7]]
+    return program(
+        rows,
+        [14, 17, INF, INF],
+        sign,
+        row_lower=[14, -INF, 67, 44],
+        upper=[1, 1, 4, 1, 1, 24],
+        integer=[True, True, True, True, True, False],
+        sense="max",
+    )
+
+
+@every
+@pytest.mark.parametrize("sign", [0.0, -1.0, 1.0, 0.5])
+def test_a_feasible_program_is_not_called_infeasible(solver: str, sign: float) -> None:
+    solution = solve_program(four_rows(sign), solver=solver)
+    assert solution.status == "optimal"
+    assert solution.objective == pytest.approx(13 * sign)
+
+
+@pytest.mark.parametrize("sign", [0.0, -1.0, 1.0])
+def test_a_feasible_program_is_not_explained_away(sign: float) -> None:
+    assert explain_program(four_rows(sign)).status == "feasible"
+
+
+@every
+@pytest.mark.parametrize("power", range(-12, 13, 3))
+def test_costs_of_any_unit_have_the_same_optimum(solver: str, power: int) -> None:
+    """3 x0 + 5 x1 + 4 x2 + 9 x3, covered at 8 by the first two."""
+    unit = 10.0**power
+    cover = program(
+        [[2, 3, 2, 5], [1, 0, 1, 0]], [INF, 1], unit * np.array([3, 5, 4, 9]), row_lower=[5, -INF]
+    )
+    solution = solve_program(cover, solver=solver)
+    assert solution.status == "optimal"
+    assert solution.values["x"].tolist() == [1, 1, 0, 0]
+    assert solution.objective == pytest.approx(8 * unit)
+
+
+@every
+@pytest.mark.parametrize("power", range(-12, 10, 3))
+def test_rows_of_any_unit_have_the_same_optimum(solver: str, power: int) -> None:
+    """Wait at least so long, counted in a small unit."""
+    wait = program([[10.0**power]], INF, 1, row_lower=[1.0], upper=1e13)
+    solution = solve_program(wait, solver=solver)
+    assert solution.objective == pytest.approx(max(10.0**-power, 1))
+    assert solution.status in ("optimal", "claimed")
+
+
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip", "glpk", "cpsat"])
+@pytest.mark.parametrize(
+    "trial",
+    [
+        program([[1e9, 1e9, 1e9, 100]], 999999998, [1, 0, 0, 0], row_lower=999999998),
+        program([[14400001, 14400000]], 28800000, 1, lower=1),
+        program([[14400.001, 14400.0]], 28800.0, 1, lower=1),
+        program([[1e12, 1e12]], 1e12 - 1, 1, row_lower=1e12 - 1),
+        program([[3e8, 5e8]], 4e8, 1, row_lower=4e8, upper=9),
+    ],
+    ids=["a weighing", "a shift", "a shift in seconds", "by one in a billion", "a gap of values"],
+)
+def test_a_row_of_whole_numbers_is_kept_to_the_last_unit(solver: str, trial: Program) -> None:
+    if solver != "auto" and not get(solver).installed:
+        return
+    solution = solve_program(trial, solver=solver)
+    assert not solution.found
+    assert solution.status in ("infeasible", "contradicted", "error")
+    if solver == "auto":
+        assert solution.status == "infeasible"
+
+
+@every
+@pytest.mark.parametrize("big", [1e4, 1e7, 1e9, 1e16, 1e20])
+def test_a_big_m_does_not_let_the_switch_slip(solver: str, big: float) -> None:
+    """x up to 10 only with a switch that costs 3."""
+    switch = program([[1, -big]], 0, [1, -3], upper=[10, 1], integer=[False, True], sense="max")
+    solution = solve_program(switch, solver=solver)
+    assert solution.status == "optimal"
+    assert solution.objective == pytest.approx(7)
+    assert solution.values["x"].tolist() == [10, 1]
+
+
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip", "glpk"])
+def test_a_coefficient_that_solvers_drop_is_refused_by_row_and_column(solver: str) -> None:
+    mixed = program([[1e-18, 1e4, 1.0]], 1, 1, upper=INF, sense="max")
+    with pytest.raises(UnsupportedError, match=r"row 'row 0': the coefficient 1e-18 of x\[0\]"):
+        solve_program(mixed, solver=solver)
+    if solver == "auto":
+        with pytest.raises(UnsupportedError, match="row 'row 0'"):
+            explain_program(mixed)
+
+
+@pytest.mark.parametrize("solver", ["highs", "scip"])
+@pytest.mark.parametrize("constant", [1e9, -1e9, 1e12])
+def test_a_constant_closes_no_gap(solver: str, constant: float) -> None:
+    random = np.random.default_rng(3)
+    cost = random.integers(1, 60, 30).astype(float)
+    rows = random.integers(0, 9, (12, 30)).astype(float)
+    cover = program(rows, INF, cost, row_lower=np.round(rows.sum(1) * 0.45), offset=constant)
+    stopped = solve_program(cover, solver=solver, options=Options(gap=0.5))
+    assert stopped.bound is not None
+    assert stopped.objective is not None
+    assert stopped.bound - constant <= 176 + 1e-3 <= stopped.objective - constant + 2e-3
+    assert (stopped.status == "optimal") == (stopped.objective - constant < 176.5)
+
+
+def test_a_solver_that_calls_a_feasible_program_infeasible_is_contradicted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    liar = replace(get("highs"), name="liar", run=lambda *_: Outcome("infeasible"))
+    monkeypatch.setitem(solvers(), "liar", liar)
+    large = program(np.ones((1, 40)), INF, 1, row_lower=2)
+    solution = solve_program(large, solver="liar")
+    assert solution.status == "contradicted"
+    assert "has a feasible point" in solution.message
+    assert not solution.found
+
+
+def test_an_infeasible_relaxation_is_certified_in_fractions() -> None:
+    solution = solve_program(program(np.ones((2, 40)), [1, INF], 1, row_lower=[-INF, 2]))
+    assert solution.status == "infeasible"
+    assert "Farkas" in solution.proof
+
+
+def test_a_ray_proves_only_what_it_proves() -> None:
+    conflict = program([[1, 1], [1, 1]], [1, INF], 1, row_lower=[-INF, 2])
+    assert proves_infeasible(conflict, np.array([-1.0, 1.0]))
+    assert proves_infeasible(conflict, np.array([1.0, -1.0]))
+    assert not proves_infeasible(conflict, np.array([0.0, 0.5]))
+    fine = replace(conflict, row_lower=np.array([-INF, 1.0]))
+    assert not proves_infeasible(fine, np.array([-1.0, 1.0]))
+
+
+@given(data=st.data())
+@settings(max_examples=60)
+def test_scaling_changes_neither_points_nor_values(data: st.DataObject) -> None:
+    powers = data.draw(st.lists(st.integers(-9, 9), min_size=6, max_size=6))
+    matrix = 10.0 ** np.array(powers, float).reshape(2, 3)
+    trial = program(matrix, [3, 4], matrix[0], integer=[True, False, False], upper=5, offset=2)
+    factors = scaling(trial)
+    sent = scaled(trial, factors)
+    x = np.array([1.0, 0.5, 2.0])
+    np.testing.assert_array_equal(np.log2(factors.row) % 1, 0)
+    np.testing.assert_allclose(sent.matrix @ (x / factors.column), factors.row * (trial.matrix @ x))
+    assert sent.value(x / factors.column) * factors.unit + 2 == pytest.approx(trial.value(x))
+
+
+def test_tight_coefficients_leave_the_same_points() -> None:
+    for trial in (
+        program([[1, -1e9]], 0, 1, upper=[5, 1]),
+        program([[1, 1e9]], 1e9, 1, upper=[5, 1]),
+        program([[-1, 1e9]], INF, 1, row_lower=0, upper=[5, 1]),
+        program([[1, -1e9]], 0, 1, upper=[5, 3]),
+    ):
+        tight = trial.with_tight_coefficients()
+        assert np.abs(tight.matrix.data).max() <= 5
+        for a in range(6):
+            for z in range(int(trial.upper[1]) + 1):
+                x = np.array([a, z], float)
+                assert (violations(trial, x) == []) == (violations(tight, x) == [])
+
+
+def test_all_points_of_a_small_program_are_looked_at() -> None:
+    truth = settle(program([[2, 3]], 7, [3, 4], upper=3, sense="max"))
+    assert truth is not None
+    assert truth.x is not None
+    assert truth.x.tolist() == [2, 1]
+    assert truth.n_points == 16
+    assert settle(program([[2, 3]], 7, [3, 4], upper=INF)) is None
+
+
+def test_a_solution_says_its_tolerances_and_what_became_of_its_start() -> None:
+    knapsack = program([[2, 3]], 7, [3, 4], upper=3, sense="max")
+    solution = solve_program(knapsack, solver="scip", options=Options(start=np.array([3.0, 3.0])))
+    assert solution.start == "not used: row 'row 0' is missed by 8"
+    assert solution.tolerances["integrality"] == 1e-6
+    used = solve_program(knapsack, solver="scip", options=Options(start=np.array([2.0, 0.0])))
+    assert used.start == "feasible, worth 6"
+
+
+@pytest.mark.parametrize("solver", ["auto", "highs", "glpk"])
+def test_a_dual_value_is_what_a_unit_more_of_the_side_is_worth(solver: str) -> None:
+    """max 3x + 2y, x + y ≤ 4: worth 3 a unit; min 3x + 2y, x + y ≥ 4: 2 a unit."""
+    most = program([[1, 1]], 4, [3, 2], upper=INF, integer=False, sense="max")
+    least = program([[1, 1]], INF, [3, 2], row_lower=4, upper=INF, integer=False)
+    for trial, worth in ((most, 3), (least, 2)):
+        assert solve_program(trial, solver=solver).duals["row {i}"].tolist() == [worth]
+
+
+@pytest.mark.parametrize("value", [0.5, 1.25, 2.999])
+def test_a_whole_number_parameter_takes_no_fraction(value: float) -> None:
+    import cvxpy as cp
+    from support.programs import formulation
+
+    def build(_: Any) -> cp.Problem:
+        k, x = cp.Parameter(integer=True, name="k"), cp.Variable(3, boolean=True, name="x")
+        return cp.Problem(cp.Maximize(cp.sum(x)), [cp.sum(x) <= k])
+
+    compiled = compile_formulation(formulation(build, k=Parameter(0, 3, 1, "how many")), None)
+    with pytest.raises(InputError, match=f"^k: {value}"):
+        compiled.program(k=value)
+    assert compiled.program(k=2).row_upper.tolist() == [2]
