@@ -46,8 +46,8 @@ def grid_from_rows(rows: Sequence[str], *, name: str = "", source: Path | None =
                 f" and blocked ones {' '.join(BLOCKED)}",
                 field=f"rows[{i}][{j}]",
             )
-    free = np.array([[char in FREE for char in row] for row in rows], dtype=bool)
-    return GridMap(free, name=name, source=source)
+    letters = np.frombuffer("".join(rows).encode("ascii"), dtype=np.uint8).reshape(len(rows), width)
+    return GridMap(np.isin(letters, list(FREE.encode())), name=name, source=source)
 
 
 def read_map(path: str | Path) -> GridMap:
