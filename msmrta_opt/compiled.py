@@ -35,19 +35,21 @@ class _Notice(event.Listener):  # type: ignore[misc]
         """Nothing is said when it is done."""
 
 
-def kernel(signature: str) -> Callable[[Function], Function]:
+def kernel(signature: object, *, allocates: bool = True) -> Callable[[Function], Function]:
     """Compile a function for `signature`, in numba's words, or load its code.
 
     It does not hold the interpreter's lock, and sums are taken in the order in which they are written.
+    One that makes no arrays counts no references to arrays either, which takes most of the time where
+    functions hand many of them on.
     """
 
     def decorate(function: Function) -> Function:
         with _noticed():
             try:
-                return _compiled(function, signature, cache=True)
+                return _compiled(function, signature, cache=True, _nrt=allocates)
             except Exception:
                 # Whatever is wrong with the cache: no folder to write to, a full disk, a broken file.
-                return _compiled(function, signature, cache=False)
+                return _compiled(function, signature, cache=False, _nrt=allocates)
 
     return decorate
 
@@ -58,8 +60,14 @@ def inlined(function: Function) -> Function:
     return made
 
 
-def _compiled(function: Function, signature: str, *, cache: bool) -> Function:
-    made: Function = numba.njit(signature, nogil=True, cache=cache)(function)
+def inlined_in_place(function: Function) -> Function:
+    """As `inlined`, for kernels that make no arrays."""
+    made: Function = numba.njit(_nrt=False)(function)
+    return made
+
+
+def _compiled(function: Function, signature: object, **options: bool) -> Function:
+    made: Function = numba.njit(signature, nogil=True, **options)(function)
     return made
 
 

@@ -38,7 +38,7 @@ from ..stages.scouting import scout_mission
 from ..stages.situation import Situation
 from .support.first_routes import MODEL, first_routes
 from .support.improvement import stops_of
-from .support.planner import SOLVING, Planner, Stopwatch
+from .support.planner import IMPROVING, SOLVING, Planner, Stopwatch
 from .support.record import assemble
 
 STAGE = "exact"
@@ -223,5 +223,5 @@ PLANNER = Planner(
     limits=LIMITS,
     improves_itself=True,
     formulations=_formulations,
-    libraries=(*SOLVING, "pyscipopt", "msmrta_opt.routing.combinatorial_bounds"),
+    libraries=(*SOLVING, *IMPROVING, "pyscipopt", "msmrta_opt.routing.combinatorial_bounds"),
 )

@@ -49,6 +49,9 @@ class Objective:
     """Whether it is made of the victims' completion times, not of the robots' times."""
     weighted: bool = False
     """Whether it weighs times by priority."""
+    is_compiled: bool = False
+    """Whether the compiled search knows it: the sum of all robots' times, or with `only_last` the last,
+    or with `of_victims` the victims' weighted sum."""
     sense: Literal["min"] = "min"
 
     def value(self, data: RoutingData, routes: Routes) -> float:
@@ -109,6 +112,7 @@ _TABLE = (
         method="branch and cut",
         model=("joint_routing_flow", {"w": 0.0}),
         insertion="travel",
+        is_compiled=True,
         service_is_constant=True,
     ),
     Objective(
@@ -121,6 +125,7 @@ _TABLE = (
         method="branch and cut",
         model=("joint_routing_flow", {"w": 1.0}),
         insertion="finish",
+        is_compiled=True,
         only_last=True,
     ),
     Objective(
@@ -135,6 +140,7 @@ _TABLE = (
         method="branch and price",
         model=("joint_routing_mtz", {"w_total": 0.0, "w_makespan": 0.0, "w_latency": 1.0}),
         insertion="completion",
+        is_compiled=True,
         of_victims=True,
         weighted=True,
     ),

@@ -56,6 +56,10 @@ class HeuristicsParameters:
     """Share of the time for ruin and recreate before an exact method begins."""
     first_seconds: NonNegative = 0.05
     """Seconds of that per victim, at the maximum."""
+    neighbours: Count = 100
+    """Nearest victims around which a ruin looks for routes, and an insertion for robots."""
+    candidates: Count = 10
+    """Robots that are asked to serve a requirement, where more than these can."""
     default_iterations: Count = 20_000
     """Iterations where neither time nor iterations are limited."""
     smallest_subset: Count = 3

@@ -22,7 +22,7 @@ from ...routing.stop import (
 from ...stages.joint_routing import routing_data
 from ...stages.path_planning import path_planning
 from ...stages.situation import Situation, Stop
-from .planner import Stopwatch
+from .planner import IMPROVING, Stopwatch, load
 
 STAGE = "improved"
 
@@ -66,6 +66,7 @@ def improve_plan(
         )
     if not any(route.visits for route in plan.routes):
         return plan
+    load(IMPROVING)
     watch = Stopwatch()
     known = plan.known
     with interruptible(), watch("improvement"):

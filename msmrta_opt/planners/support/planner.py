@@ -28,7 +28,8 @@ SOLVING = (
     *("cvxpy", "cvxpy.cvxcore.python.cppbackend", "highspy", "scipy.optimize"),
     "msmrta_opt.optimise.compile.coefficients",
 )
-"""What planners import on first use: to cluster, to solve programs."""
+IMPROVING = ("msmrta_opt.routing.heuristics.compiled_search",)
+"""What planners import on first use: to cluster, to solve programs, to improve routes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,9 +94,7 @@ class Planner:
         What cannot be loaded is left to the planner, which says so where it misses it.
         """
         _walk_a_step()
-        for module in self.libraries:
-            with suppress(ImportError):
-                importlib.import_module(module)
+        load(self.libraries)
         with suppress(MsmrtaError):
             for name in self.formulations_of(options):
                 solvers()
@@ -113,6 +112,13 @@ def _walk_a_step() -> None:
     grid.lengths([here], [there])
     grid.walks([here], [there])
     grid.search.components()
+
+
+def load(modules: Iterable[str]) -> None:
+    """Import those of `modules` that are there."""
+    for module in modules:
+        with suppress(ImportError):
+            importlib.import_module(module)
 
 
 class Stopwatch:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 import random
 from itertools import count
+from typing import Protocol
 
 import numpy as np
 
@@ -62,12 +63,36 @@ def ruin_and_recreate(
     if not data.required.any():
         return routes
     parameters = parameters or HeuristicsParameters()
-    search = _Search(data, routes, aim, parameters, random.Random(seed))
+    search = _search(data, routes, aim, parameters, seed)
     search.run(stop or MaximumIterations(parameters.default_iterations))
     found = search.best_routes()
     # Sums are taken in another order here than there: equal routes are no improvement.
     better = aim.value(data, found) < aim.value(data, routes) * (1.0 - SUMS)
     return found if better else routes
+
+
+class Search(Protocol):
+    """A search that has been begun."""
+
+    def run(self, stop: StoppingCriterion) -> None:
+        """Search until `stop`."""
+
+    def best_routes(self) -> Routes:
+        """The best routes found."""
+
+
+def _search(
+    data: RoutingData, routes: Routes, aim: Objective, parameters: HeuristicsParameters, seed: int
+) -> Search:
+    """The compiled search, where numba is there and it knows the objective."""
+    if aim.is_compiled:
+        try:
+            from .compiled_search import CompiledSearch
+        except ImportError:
+            pass
+        else:
+            return CompiledSearch(data, routes, aim, parameters, seed)
+    return _Search(data, routes, aim, parameters, random.Random(seed))
 
 
 class _Search:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import sys
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -50,6 +52,16 @@ def worths(data: RoutingData, routes: Routes) -> tuple[dict[str, float], list[fl
         *(max(0.0, end - data.endurance[r]) for r, end in enumerate(ends)),
         *(max(0.0, walk - data.longest_walk[r]) for r, walk in enumerate(travels)),
     ]
+
+
+HEURISTICS = "msmrta_opt.routing.heuristics"
+
+
+@pytest.fixture(autouse=True, params=["compiled", "without numba"])
+def engine(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    if request.param == "without numba":
+        monkeypatch.setitem(sys.modules, f"{HEURISTICS}.compiled_search", None)
+    return str(request.param)
 
 
 @pytest.mark.parametrize("back", [False, True])
@@ -158,3 +170,17 @@ def test_the_papers_mission_in_plain_cells_has_the_values_published(
     found = ruin_and_recreate(data, start, objective, stop=MaximumIterations(4000), seed=0)
     assert faults(data, found) == []
     assert value(data, found, objective) == published
+
+
+def test_an_objective_that_is_not_compiled_is_searched_all_the_same() -> None:
+    data = random_data(3, 3, 8, 12)
+    own = replace(
+        OBJECTIVES["total_time"],
+        name="squares",
+        is_compiled=False,
+        of_times=lambda busy, completion, priority: sum(b * b for b in busy),
+    )
+    start = first_come(data)
+    found = ruin_and_recreate(data, start, own, stop=MaximumIterations(300))
+    assert faults(data, found) == []
+    assert own.value(data, found) <= own.value(data, start)
