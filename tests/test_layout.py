@@ -122,7 +122,13 @@ def test_no_folder_holds_more_than_a_fifth_of_the_code() -> None:
     assert {name: share for name, share in shares.items() if share > LARGEST_SHARE} == {}
 
 
-@pytest.mark.parametrize("module", ["mission", "planners", "planners/support", "stages"])
+@pytest.mark.parametrize(
+    "module",
+    [
+        *("mission", "planners", "planners/support", "stages", "plots"),
+        *("studies", "studies/analysis", "studies/report"),
+    ],
+)
 def test_a_folder_says_in_what_order_to_read_it(module: str) -> None:
     """Every file and folder in it is named in the docstring of its ``__init__``, in backquotes."""
     said = ast.get_docstring(ast.parse((PACKAGE / module / "__init__.py").read_text())) or ""

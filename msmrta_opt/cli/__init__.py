@@ -69,6 +69,8 @@ def _run(arguments: list[str]) -> int:
     except OSError as error:
         # A full disk, a name too long: the system's own words, which name the file.
         return _complain(error, 2)
+    if status == 130:  # typer's word for a Ctrl-C, whichever signal it was
+        return interruption.exit_status()
     return status if isinstance(status, int) else 0
 
 

@@ -5,6 +5,10 @@ returns the axes; `plot_mission` composes them and returns the figure. Figures m
 the caller alone: pyplot does not know them, no global setting changes, no display is needed. In a
 notebook, what these functions return shows itself as the last value of a cell.
 
+Panels: `scouting`, `assignment`, `paths`, `gantt`, and `mission` with all of them. What they share:
+`figure`, `canvas` (the map), `marks` and `clusters` on it, `legends`, `lettering` (any name as it is
+written), `style` (what stands for what), `saving`.
+
 A robot keeps its colour in every picture (`robot_colour`). Names on the pictures are short: R0 is the
 robot with id 0, S0 a scout, v0 a victim, C0 a cluster.
 """

@@ -1,1 +1,8 @@
-"""Comparing formulations, solvers and planners, each run by itself."""
+"""Studies and comparisons: many runs, each in a process of its own, as one engine.
+
+To be read in this order. What is asked for: `specification` (the study file), `missions` (on what),
+`tasks` (what a run does), `runs` (every combination, keyed by what determines its result). Doing it:
+`perform` (one run, to its `record`), `runner` (all of them, here), `cluster` (or on a Dask cluster),
+`preload` (what their processes share), `ledger` (what is kept). `comparison` is formulations × solvers
+without a ledger, and `solves` its table. What records say is in `analysis`, a study's page in `report`.
+"""

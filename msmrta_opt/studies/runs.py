@@ -170,8 +170,11 @@ def _formulations(tables: Iterable[FormulationTable]) -> Iterator[Contender]:
 
 def _solving(table: FormulationTable, options: Mapping[str, Any]) -> Sequence[Solving]:
     for name in SOLVING:
-        if isinstance(options.get(name, 0), (str, bool)):
-            raise InputError(f"{options[name]!r}; give a number", field=name)
+        value = options.get(name, 0)
+        if isinstance(value, (str, bool)):
+            raise InputError(f"{value!r}; give a number", field=name)
+        if name == "solver_seed" and not isinstance(value, int):
+            raise InputError(f"{value!r}; give a whole number", field=name)
     options_of_stage = options_type(table.stage)
     staged = {item.name for item in fields(options_of_stage)}
     parameters = {k: v for k, v in options.items() if k not in staged and k not in SOLVING}

@@ -9,6 +9,11 @@ from pathlib import Path
 import pytest
 from support.studies import do, write_study
 
+from msmrta_opt.mission.grid import GridMap
+from msmrta_opt.mission.maps import write_map
+from msmrta_opt.optimise import registry
+from msmrta_opt.studies import missions
+from msmrta_opt.studies.ledger import Ledger
 from msmrta_opt.studies.runs import current, runs
 from msmrta_opt.studies.specification import Study
 
@@ -71,6 +76,58 @@ def test_an_edited_formulation_touches_its_own_runs(folder: Path) -> None:
     edited.write_text(edited.read_text() + "\n# another thought\n")
     after = keys(folder, TEXT)
     assert {name for name in before if before[name] != after[name]} == {"cluster_mine"}
+
+
+@pytest.mark.parametrize(
+    ("edited", "touched"),
+    [
+        ("joint_routing_flow", {"exact within limits"}),
+        ("cluster_one_to_one", {"msmrta"}),
+        ("victim_one_to_one", {"msmrta"}),
+    ],
+)
+def test_an_edited_formulation_touches_the_planners_whose_options_make_them_use_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, edited: str, touched: set[str]
+) -> None:
+    text = (
+        'title = "Keys"\n[[instances]]\nmaps = "open.map"\nrobots = 2\nvictims = 2\n'
+        '[[planners]]\n[[planners]]\nplanner = "exact"\n[[planners]]\nplanner = "exact"\n'
+        'name = "exact within limits"\nendurance = 100\n'
+    )
+    before = keys(folder, text)
+    path_of = registry.path_of
+    copy = folder / f"{edited}.py"
+    copy.write_bytes(path_of(edited).read_bytes() + b"# another thought\n")
+    monkeypatch.setattr(registry, "path_of", lambda n: copy if n == edited else path_of(n))
+    after = keys(folder, text)
+    assert {name for name in before if before[name] != after[name]} == touched
+
+
+def test_to_look_at_a_study_makes_no_mission_anew(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = (
+        'title = "Seen"\n[[instances]]\nmaps = "open.map"\nrobots = 2\nvictims = 2\n'
+        'seeds = [0, 1]\n[[planners]]\nplanner = "greedy"\n'
+    )
+    path = write_study(folder, text)
+    todo = runs(Study.read(path))
+    with Ledger(Study.read(path).ledger) as ledger:
+        ledger.keep_missions(run.mission for run in todo)
+    with Ledger(Study.read(path).ledger, read_only=True) as ledger:
+        known = ledger.missions()
+    monkeypatch.setattr(missions, "generate_mission", lambda *_, **__: 1 / 0)
+    seen = runs(Study.read(path), known)
+    assert [(run.key, run.mission.name) for run in seen] == [
+        (run.key, run.mission.name) for run in todo
+    ]
+    # What it does not know it makes: another seed, and the same on another map.
+    for changed in (text.replace("[0, 1]", "[2]"), text):
+        write_study(folder, changed)
+        if changed is text:
+            write_map(GridMap([[True] * 5] * 5, name="open"), folder / "open.map")  # type: ignore[arg-type]
+        with pytest.raises(ZeroDivisionError):
+            runs(Study.read(path), known)
 
 
 def test_a_run_of_other_versions_stands_in_until_it_is_done_again(folder: Path) -> None:

@@ -92,6 +92,34 @@ def test_files_are_found_from_the_studys_folder_and_each_once(tmp_path: Path) ->
             ("[[planners]]", "[[formulations]]\nstage = 'cluster'\nsolvers = 'x'\n[[planners]]"),
             "formulations[0]",
         ),
+        (
+            (
+                "[[planners]]",
+                "[[formulations]]\nstage='cluster'\ntime_limit=[1, 'a']\n[[planners]]",
+            ),
+            "formulations[0].time_limit: 'a'; give a number",
+        ),
+        (
+            ("[[planners]]", "[[formulations]]\nstage = 'cluster'\ngap = true\n[[planners]]"),
+            "formulations[0].gap: True; give a number",
+        ),
+        (
+            ("[[planners]]", "[[formulations]]\nstage='cluster'\nsolver_seed='x'\n[[planners]]"),
+            "formulations[0].solver_seed: 'x'; give a number",
+        ),
+        (
+            ("[[planners]]", "[[formulations]]\nstage='cluster'\nsolver_seed=1.5\n[[planners]]"),
+            "formulations[0].solver_seed: 1.5; give a whole number",
+        ),
+        (
+            ("[[planners]]", "[[formulations]]\nstage = 'cluster'\npsi = 'x'\n[[planners]]"),
+            "formulations[0].psi: 'x'",
+        ),
+        (
+            ("[[planners]]", "[[formulations]]\nstage='cluster'\ntime_limit=nan\n[[planners]]"),
+            "time_limit",
+        ),
+        (("robots = [1, 2]", "robots = ['a', 2]"), "instances[0].robots[0]: 'a'; give a whole"),
     ],
 )
 def test_a_mistake_is_named_in_one_line(

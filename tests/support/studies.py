@@ -6,8 +6,10 @@ import sys
 from contextlib import closing
 from pathlib import Path
 
+from msmrta_opt.isolation import Worker
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.maps import write_map
+from msmrta_opt.studies import runner
 from msmrta_opt.studies.ledger import Ledger
 from msmrta_opt.studies.record import Record
 from msmrta_opt.studies.runner import run_study
@@ -54,8 +56,49 @@ def kept(path: Path) -> list[Record]:
         return list(ledger.records())
 
 
+STOPPED = "stopped"
+"""What a session says when it waits to be killed."""
+
+
+def stop_at(step: str, number: int) -> None:
+    """Wait for ever at a step of a session, the `number`-th time that it comes there."""
+    homes: dict[str, tuple[type, str]] = {
+        "open": (Ledger, "keep_missions"),
+        "claim": (Ledger, "claim"),
+        "call": (Worker, "__init__"),
+        "add": (Ledger, "add"),
+        "insert": (Ledger, "_execute"),
+        "commit": (Ledger, "add"),
+    }
+    home, name = homes[step]
+    original, count = getattr(home, name), 0
+
+    def stopping(self: object, *arguments: object, **options: object) -> object:
+        nonlocal count
+        if step == "insert" and "INSERT OR IGNORE INTO runs" not in str(arguments[0]):
+            return original(self, *arguments, **options)
+        count += 1
+        if step == "add" and count == number:
+            wait()
+        done = original(self, *arguments, **options)
+        if count == number:
+            wait()
+        return done
+
+    def wait() -> None:
+        print(STOPPED, flush=True)
+        sys.stdin.read()
+
+    setattr(home, name, stopping)
+
+
 if __name__ == "__main__":
     # A session that can be killed: it prints the key of each run once the ledger has it.
+    if len(sys.argv) > 2:
+        what, how_many = sys.argv[2].split()
+        stop_at(what, int(how_many))
+    # The planner that makes random plans needs none of the heavy libraries.
+    runner.preload = lambda: ("msmrta_opt.studies.perform",)
     study = Study.read(sys.argv[1])
     with (
         Ledger(study.ledger) as ledger,

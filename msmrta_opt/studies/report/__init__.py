@@ -2,7 +2,9 @@
 
 `write_report` composes it from parts that a notebook can use as well: `runs` (records as a table and
 what is comparable in it), `tables`, `baseline`, `scaling`, `profile`, `heat`, `outcomes`; each takes
-the table of runs and returns tables or pictures. Everything heavy is imported when one is written.
+the table of runs and returns `blocks`: tables or pictures, in the page's `style`. `content` puts them in
+order, `render` writes the page, `folder` puts it in place, `text` writes names and numbers. Everything
+heavy is imported when one is written.
 """
 
 from __future__ import annotations

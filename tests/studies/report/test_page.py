@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import warnings
+from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -13,11 +14,19 @@ from support.study_records import grid_records, record, solve, solving_records, 
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.studies.record import Record
-from msmrta_opt.studies.report import write_report
+from msmrta_opt.studies.report import render, write_report
 
 VOID = {"meta", "link", "img", "br"}
 SMALL = {"maps": ("map0", "map1"), "robots": (2, 5, 10), "victims": (10, 50, 100), "seeds": (0, 1)}
 NASTY = '<script>alert("&")</script>'
+
+
+@pytest.fixture(autouse=True, scope="module")
+def few_dots() -> Iterator[None]:
+    """Pictures of fewer dots, which are sooner drawn."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(render, "DPI", 20)
+        yield
 
 
 class Page(HTMLParser):
