@@ -34,6 +34,8 @@ NEVER = 1 << 61
 """The cost of what cannot be: two of them still are a number."""
 _MAX_CELLS = 40_000_000
 """States times steps of a robot, beyond which memory would run out."""
+_MAX_TASKS = 12
+"""Of a robot at a victim; all sets of them are options."""
 
 
 class Costed(Protocol):
@@ -82,7 +84,7 @@ class Network:
     Raises
     ------
     CheckError
-        If there are more steps than memory has room for.
+        If there are more steps, or more tasks at a victim, than memory has room for.
     """
 
     def __init__(
@@ -96,10 +98,12 @@ class Network:
         self.robot, self.step = robot, step
         self.victims = victims = joint.victims_of[robot]
         m = len(victims)
-        self.options = [
-            _options([task for task in tasks[v] if (robot, v, task[1][0]) in joint.able])
-            for v in victims
-        ]
+        able = {
+            v: [task for task in tasks[v] if (robot, v, task[1][0]) in joint.able] for v in victims
+        }
+        if many := [v for v in victims if len(able[v]) > _MAX_TASKS]:
+            raise CheckError(f"robot {robot} has too many tasks at victim {many[0]} to count with")
+        self.options = [_options(able[v]) for v in victims]
         latest = last_services(joint, robot, deadlines)
         lasts = [math.floor(latest[v] / step) for v in victims]
         self.last = max(0, *lasts)

@@ -38,7 +38,7 @@ SCOUT: Facts[Scout] = {
 
 
 def differences(plan: Plan, mission: Instance) -> list[str]:
-    """How the mission that `plan` answers differs from `mission`, one line each; empty if it does not.
+    """How the mission of `plan` differs from `mission`, one line each; empty if it does not.
 
     Names, and the order of robots, victims, scouts and kinds, make no difference.
     """

@@ -41,7 +41,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
-def _once(name: str, *earlier: str) -> Any:
+def _renamed(name: str, *earlier: str) -> Any:
     """A field that files of earlier versions name otherwise."""
     return Field(validation_alias=AliasChoices(name, *earlier))
 
@@ -51,7 +51,7 @@ class _Record(BaseModel):
 
 
 class _Dual(_Record):
-    dual: Finite = _once("dual", "price")
+    dual: Finite = _renamed("dual", "price")
 
 
 class RobotDual(_Dual):
@@ -128,15 +128,15 @@ class TaskDuals(_Record):
 
     victim: NonNegativeInt
     kinds: tuple[str, ...]
-    dual: Finite = _once("dual", "reward")
-    densities: tuple[Time, ...] = _once("densities", "charges")
+    dual: Finite = _renamed("dual", "reward")
+    densities: tuple[Time, ...] = _renamed("densities", "charges")
 
 
 class Breakpoints(_Record):
     """Where the densities of a victim's tasks may change, in time units; 0 is left out."""
 
     victim: NonNegativeInt
-    times: tuple[Time, ...] = _once("times", "begin")
+    times: tuple[Time, ...] = _renamed("times", "begin")
 
 
 class Neighbourhood(_Record):
@@ -153,7 +153,7 @@ class PricingRound(_Record):
     Victims that are not among `breakpoints` have none; neighbourhoods hold their own victim unsaid.
     """
 
-    tasks: tuple[TaskDuals, ...] = _once("tasks", "needs")
+    tasks: tuple[TaskDuals, ...] = _renamed("tasks", "needs")
     breakpoints: tuple[Breakpoints, ...] = Field(
         default=(), validation_alias=AliasChoices("breakpoints", "steps")
     )
@@ -176,5 +176,5 @@ class LatencyProof(_Record):
 
     bound: Finite
     solver: str
-    time_steps: tuple[TimeStep, ...] = _once("time_steps", "clocks")
+    time_steps: tuple[TimeStep, ...] = _renamed("time_steps", "clocks")
     rounds: Annotated[tuple[PricingRound, ...], Field(min_length=1)]

@@ -138,6 +138,25 @@ def test_every_robot_needs_a_time_step_that_orders_its_services(corridor: Joint)
         by_hand(corridor, time_steps=[{"robot": 0, "length": 4}], worth=20)
 
 
+def test_fifty_tasks_in_one_visit_are_too_many_to_count_with(corridor: Joint) -> None:
+    kinds = [f"k{k}" for k in range(50)]
+    mission = Instance.from_document(
+        {
+            "map": {"rows": ["..."]},
+            "capabilities": kinds,
+            "service_time": dict.fromkeys(kinds, 1),
+            "robots": [
+                {"id": r, "start": [0, r], "speed": 1, "capabilities": kinds} for r in (0, 1)
+            ],
+            "victims": [{"id": 5, "cell": [0, 2], "requirements": kinds}],
+        }
+    )
+    joint = Joint.of(Plan(instance=mission, planner="none", routes=()))
+    steps = [{"robot": r, "length": 1} for r in (0, 1)]
+    with pytest.raises(CheckError, match="robot 0 has too many tasks at victim 5 to count with"):
+        by_hand(joint, {"tasks": []}, time_steps=steps, worth=1000)
+
+
 # On random missions, with dual values at random.
 
 

@@ -159,6 +159,14 @@ def test_places_that_take_no_time_leave_the_combinatorial_bound() -> None:
     assert bound.value == pytest.approx(4)
 
 
+def test_fifty_tasks_in_one_visit_leave_the_combinatorial_bound() -> None:
+    """Their sets are too many to look at; one robot does all of them, one after the other."""
+    data = on_a_line([0.0, 9.0], [2.0], [[[True] * 50], [[True] * 50]], service=1.0)
+    _, bound = closed_in(data, "latency", any_routes(data), MaximumRuntime(1.0))
+    assert (bound.proof, bound.root) == ("combinatorial", None)
+    assert 0 < bound.value <= 30  # 2 + 28 for one, 7 + 22 for the other
+
+
 def test_routes_that_are_not_feasible_are_refused() -> None:
     data = small_mission(0)
     with pytest.raises(InputError, match="incumbent"):
