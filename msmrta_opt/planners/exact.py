@@ -96,6 +96,7 @@ def run(
         return_to_start=return_to_start,
     )
     watch = Stopwatch()
+    stop = MaximumRuntime(time_limit) | RelativeGap(gap) | Interruption(interrupted)
     with watch("scouting"):
         known, scouting = scout_mission(instance, options)
     with watch("requirement analysis"):
@@ -106,7 +107,6 @@ def run(
     # Until it is returned: a plan that is worked out is not lost to a late Ctrl-C.
     with interruptible():
         with watch("joint problem"):
-            stop = MaximumRuntime(time_limit) | RelativeGap(gap) | Interruption(interrupted)
             progress = Progress(
                 data,
                 aim,
@@ -148,16 +148,13 @@ def run(
 
 def _solve(progress: Progress, seed: int, parameters: Parameters) -> Bound:
     """Improve the incumbent for a while, then close in from both sides."""
-    data = progress.data
-    progress.bound_at_once()
-    if not progress.done():
-        tuning = parameters.heuristics
-        # Small missions are proven sooner than a search of seconds is worth.
-        seconds = min(tuning.first_share * progress.left(), tuning.first_seconds * data.n_victims)
+    tuning = parameters.heuristics
+
+    def improve(seconds: float, seed: int) -> None:
         progress.begin("ruin and recreate")
         progress.offer(
             ruin_and_recreate(
-                data,
+                progress.data,
                 progress.routes,
                 progress.objective,
                 stop=progress.until_done(seconds),
@@ -165,7 +162,17 @@ def _solve(progress: Progress, seed: int, parameters: Parameters) -> Bound:
                 parameters=tuning,
             )
         )
-    return close_in(progress, seed=seed, parameters=parameters)
+
+    progress.bound_at_once()
+    if not progress.done():
+        # Small missions are proven sooner than a search of seconds is worth.
+        longest = tuning.first_seconds * progress.data.n_victims
+        improve(min(tuning.first_share * progress.left(), longest), seed)
+    bound = close_in(progress, seed=seed, parameters=parameters)
+    if bound.root is None and not progress.done():
+        # Too large for the method: what time is left goes to better routes.
+        improve(progress.left(), seed + 1)
+    return bound
 
 
 def _with_way_back(instance: Instance, route: Route) -> Route:

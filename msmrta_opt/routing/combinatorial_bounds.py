@@ -14,7 +14,8 @@ Bruno, Coffman and Sethi 1974). A victim is done no sooner than the mean of its 
 has the victim's priority over their number as its weight; unequal weights are taken apart into layers,
 each of one weight and of the requirements that weigh at least so much, and the layers' bounds added
 up. Where it is more, the bound is that of every victim by itself, which asks for the triangle
-inequality: that no detour is shorter than the direct way.
+inequality: that no detour is shorter than the direct way. Where the assignment would be too large,
+every requirement takes each robot as long as the fastest: then the shortest come first.
 """
 
 from __future__ import annotations
@@ -23,6 +24,9 @@ import numpy as np
 
 from ..arrays import Floats
 from .problem import RoutingData
+
+_LARGEST = 3_000_000
+"""Entries of the assignment's matrix, beyond which it would take more than an instant."""
 
 
 def total_time_bound(data: RoutingData) -> float:
@@ -47,15 +51,24 @@ def _shortest_ways(data: RoutingData) -> Floats:
 
     Where times satisfy the triangle inequality, as walking does, this is the direct way.
     """
-    pair = data.can_visit[:, :, None] & data.can_visit[:, None, :]
-    between = np.where(pair, data.between, np.inf)
-    out, back = (np.where(data.can_visit, way, np.inf) for way in (data.leave, data.back))
+    ways = np.full(data.can_visit.shape, np.inf)
+    for r, visits in enumerate(data.can_visit):
+        own = np.flatnonzero(visits)
+        if not len(own):
+            continue
+        between = data.between[r][np.ix_(own, own)]
+        ways[r, own] = _shortest(data.leave[r, own], between)
+        ways[r, own] += _shortest(data.back[r, own], between)
+    return ways
+
+
+def _shortest(way: Floats, between: Floats) -> Floats:
+    """The shortest `way` to each place, ``(m,)``, perhaps by others."""
     while True:
-        shorter_out = np.minimum(out, (out[:, :, None] + between).min(axis=1, initial=np.inf))
-        shorter_back = np.minimum(back, (between + back[:, None, :]).min(axis=2, initial=np.inf))
-        if np.array_equal(shorter_out, out) and np.array_equal(shorter_back, back):
-            return np.asarray(out + back)
-        out, back = shorter_out, shorter_back
+        shorter: Floats = np.minimum(way, (way[:, None] + between).min(axis=0))
+        if np.array_equal(shorter, way):
+            return way
+        way = shorter
 
 
 def latency_bound(data: RoutingData) -> float:
@@ -97,7 +110,11 @@ def _unweighted(time: Floats) -> float:
     """Minimum sum of completion times of jobs on unrelated machines, ``time (n_robots, n_jobs)``."""
     from scipy.optimize import linear_sum_assignment
 
-    n_jobs = time.shape[1]
+    n_robots, n_jobs = time.shape
+    if n_robots * n_jobs**2 > _LARGEST:
+        # As if every robot were the fastest at each job: the shortest jobs come first.
+        behind = np.arange(n_jobs, 0, -1)
+        return float(np.sort(time.min(axis=0)) @ -(-behind // n_robots))
     place = np.arange(1, n_jobs + 1)
     cost = (time[:, None, :] * place[None, :, None]).reshape(-1, n_jobs).T
     jobs, places = linear_sum_assignment(cost)

@@ -88,6 +88,8 @@ class HeuristicsParameters:
 class BranchAndCutParameters:
     """The edge formulation: cutting planes, fix-and-optimise, and the search tree."""
 
+    maximum_edges: Count = 1_000_000
+    """Of all robots, beyond which the formulation takes too long to write down: there is none."""
     neighbours: Count = 6
     """Edges per robot and victim that the relaxation starts with."""
     purge_after: Count = 4

@@ -294,3 +294,12 @@ def test_ctrl_c_leaves_a_checked_plan_and_its_bound(tmp_path: Path) -> None:
         _, errors = process.communicate(timeout=120)
     assert process.returncode == 0, errors
     proven(Plan.read(answer))
+
+
+def test_a_mission_too_large_for_the_formulation_has_a_plan_and_a_bound_at_once() -> None:
+    tiny = {"branch_and_cut": {"maximum_edges": 1}, "heuristics": {"default_iterations": 50}}
+    made = mo.plan(mission(0), planner="exact", time_limit=0.5, parameters=tiny)
+    value, bound, _ = proven(made)
+    assert bound <= expected(0, "total_time") <= value + 1e-6
+    assert made.certificates[0].proof == "combinatorial"
+    assert made.certificates[0].root is None

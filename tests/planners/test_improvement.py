@@ -158,3 +158,13 @@ def test_ctrl_c_ends_the_improvement_with_the_best_plan_there_is(
         made = plan(paper, planner=planner, improve=improve)
     assert problems(made) == []
     assert made.metrics.total_time <= plan(paper, planner=planner).metrics.total_time
+
+
+def test_an_improvement_that_is_interrupted_keeps_the_plan(
+    paper: Instance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("msmrta_opt.planners.support.improvement.interrupted", lambda: True)
+    before = plan(paper, planner="greedy")
+    after = improve_plan(before, seconds=3600)
+    assert problems(after) == []
+    assert visits(after) == visits(before)

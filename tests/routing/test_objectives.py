@@ -15,6 +15,8 @@ from support.searches import closed_in
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.metrics import METRICS
 from msmrta_opt.optimise.registry import get
+from msmrta_opt.routing import combinatorial_bounds
+from msmrta_opt.routing.combinatorial_bounds import latency_bound
 from msmrta_opt.routing.heuristics.ruin_and_recreate import ruin_and_recreate
 from msmrta_opt.routing.methods import METHODS
 from msmrta_opt.routing.objectives import OBJECTIVES, objective_of, value
@@ -89,3 +91,24 @@ def test_the_search_starts_from_any_routes() -> None:
 def test_the_table_is_read_without_numpy() -> None:
     code = "import sys, msmrta_opt.routing.objectives; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_the_bound_of_a_mission_too_large_for_the_assignment_is_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    weaker = 0
+    for seed in range(15):
+        data = random_data(seed, 2, 3, 5)
+        exact = latency_bound(data)
+        monkeypatch.setattr(combinatorial_bounds, "_LARGEST", 0)
+        assert 0 <= latency_bound(data) <= exact + 1e-9
+        weaker += latency_bound(data) < exact - 1e-9
+        monkeypatch.undo()
+    assert 0 < weaker < 15
+
+
+def test_jobs_of_one_length_on_two_machines_wait_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Five services of 2 by two robots: done at 2, 2, 4, 4 and 6; each alone would come to 10."""
+    monkeypatch.setattr(combinatorial_bounds, "_LARGEST", 0)
+    data = on_a_line([0, 0], [0] * 5, [[[True]] * 5] * 2, service=2.0)
+    assert latency_bound(data) == 18

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,8 +17,10 @@ from .. import greedy, ssi
 
 MODEL = "joint_routing_flow"
 """The formulation that finds routes where limits make that hard."""
-SHORTEST = 5.0
+SHORTEST = 1.5
 """Seconds that it has at the minimum: without routes there is nothing to show."""
+_LONG = 0.2
+"""Seconds for one quick planner, from which on another is no longer quick."""
 
 
 def first_routes(
@@ -31,7 +34,10 @@ def first_routes(
         If there are no routes that keep to the limits, or none was found in time.
     """
     found: list[Routes] = []
+    began = time.monotonic()
     for allocate in (ssi.allocate, greedy.allocate):
+        if found and stop.met() and time.monotonic() - began > _LONG:
+            break
         routes = _within(data, allocate(situation))
         if not faults(data, routes):
             found.append(routes)

@@ -13,6 +13,7 @@ from __future__ import annotations
 from ..bound import Bound
 from ..incumbent import Progress
 from ..parameters import Parameters
+from ..problem import RoutingData
 from .cutting_plane import Relaxation
 from .edge_formulation import EdgeFormulation
 from .incumbent_search import IncumbentSearch
@@ -51,11 +52,11 @@ def _close_in(progress: Progress, seed: int, parameters: Parameters, *, whole: b
     """As `branch_and_cut`; unless `whole`, for a subset of another mission's robots."""
     progress.bound_at_once()
     tuning = parameters.branch_and_cut
+    if progress.done() or _n_edges(progress.data) > tuning.maximum_edges:
+        return Bound(progress.bound, progress.proof, progress.step.step)
     formulation = EdgeFormulation.of(
         progress.data, progress.objective, progress.value, maximum_weight=tuning.time_weight
     )
-    if progress.done():
-        return Bound(progress.bound, progress.proof, progress.step.step)
 
     progress.begin("root relaxation")
     relaxation = Relaxation(formulation, routes=progress.routes, parameters=tuning)
@@ -86,3 +87,9 @@ def _close_in(progress: Progress, seed: int, parameters: Parameters, *, whole: b
 
     evidence = RootRelaxation(formulation, relaxed.cuts, relaxed.dual_values)
     return Bound(progress.bound, progress.proof, progress.step.step, evidence)
+
+
+def _n_edges(data: RoutingData) -> int:
+    """Number of edges of all robots."""
+    n_victims = data.can_visit.sum(axis=1)
+    return int((n_victims * (n_victims - 1) // 2).sum())
