@@ -159,6 +159,11 @@ REFUSED: dict[str, tuple[str, str, str]] = {
     "joined to an e": (lp("2e x + y", bounds=""), "line 2", "'e' joined to a number; put a blank"),
     "not a number": (lp(rows="c: x + y <= nan"), "line 4", "'nan', where the name of a variable"),
     "beyond a float": (lp("1e999 x"), "line 2", "'1e999'; give a number such as"),
+    "a sum beyond a float": (
+        lp("1e308 x + 1e308 x"),
+        "line 2",
+        "coefficients of 'x' add up beyond",
+    ),
     "below a float": (lp("1e-999 x"), "line 2", "'1e-999'; give a number such as"),
     "infinite coefficient": (lp("inf x"), "line 2", "an infinite coefficient"),
     "infinite constant": (lp("x + inf"), "line 1", "an infinite constant"),

@@ -213,6 +213,10 @@ def _side(tokens: _Tokens, *, on_the_right: bool = False) -> _Side:
             if token.joined and factor is not None and token.text[0] in "eE":
                 raise token.wrong(f"{shown(token.text)} joined to a number; put a blank between")
             finish(variable)
+            if not math.isfinite(side.terms[variable]):
+                raise token.wrong(
+                    f"coefficients of {shown(variable)} add up beyond a float's range"
+                )
     if factor is not None:
         finish()
     if sign is not None:
