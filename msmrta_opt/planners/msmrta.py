@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..mission.instance import Instance
@@ -65,18 +64,12 @@ def run(instance: Instance, *, preset: str = "paper", **changes: Any) -> Plan:
     )
 
 
-def _formulations(options: Mapping[str, Any]) -> Iterator[str]:
-    chosen = StagedOptions.of(**options)
-    names = (chosen.clustering_model, chosen.cluster_model, chosen.victim_model)
-    return (name for name in names if name is not None)
-
-
 PLANNER = Planner(
     "msmrta",
     "the paper's staged method (MSMRTA)",
     run,
     defaults={"preset": "paper", **StagedOptions().as_dict()},
     check=lambda options: StagedOptions.of(**options),
-    formulations=_formulations,
+    formulations=lambda options: StagedOptions.of(**options).formulations,
     libraries=(*CLUSTERING, *SOLVING),
 )

@@ -114,6 +114,12 @@ class StagedOptions:
                 raise InputError(f"no such option; there are {', '.join(known)}", field=name)
         return cls(**{**PRESETS[preset], **changes})
 
+    @property
+    def formulations(self) -> tuple[str, ...]:
+        """The names of those that plans with these options depend on."""
+        names = (self.clustering_model, self.cluster_model, self.victim_model)
+        return tuple(name for name in names if name is not None)
+
     def as_dict(self) -> dict[str, Any]:
         """All options by name."""
         return asdict(self)
@@ -139,6 +145,12 @@ class RoutingOptions(StagedOptions):
             raise InputError(
                 f"{self.return_to_start!r}; give true or false", field="return_to_start"
             )
+
+    @property
+    def formulations(self) -> tuple[str, ...]:
+        """The names of those that plans with these options depend on."""
+        names = (self.clustering_model, self.cluster_model, self.victim_model)
+        return tuple(name for name in names if name is not None)
 
     def as_dict(self) -> dict[str, Any]:
         """All options by name, but for limits that are not set: so they say what they always said."""

@@ -277,7 +277,8 @@ def test_an_option_out_of_range_is_refused_by_name(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send on Windows")
-def test_ctrl_c_leaves_a_checked_plan_and_its_bound(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_leaves_a_checked_plan_and_its_bound(number: int, tmp_path: Path) -> None:
     instance, answer = tmp_path / "large.json", tmp_path / "plan.json"
     generate_mission(read_map(MAPS / "map2.map"), 10, 100, seed=0, solvable=False).save(instance)
     command = "from msmrta_opt.cli import run; import sys; sys.exit(run(sys.argv[1:]))"
@@ -290,7 +291,7 @@ def test_ctrl_c_leaves_a_checked_plan_and_its_bound(tmp_path: Path) -> None:
     ) as process:
         assert process.stderr is not None
         assert "bound" in process.stderr.readline()
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         _, errors = process.communicate(timeout=120)
     assert process.returncode == 0, errors
     proven(Plan.read(answer))
