@@ -76,7 +76,7 @@ def scaled(coefficients: Floats, magnitudes: Floats, largest: float = LARGEST) -
     if not (weights / scale == coefficients).all():
         rounding = np.abs(weights - scale * coefficients) @ magnitudes
         error = float(rounding + ROUNDING * scale * size)
-    if error > FEASIBILITY * scale * max(1.0, size):
+    if not error <= FEASIBILITY * scale * max(1.0, size) or not np.isfinite(weights).all():
         raise UnsupportedError(
             f"solver cpsat cannot do coefficients from {np.abs(coefficients).min():g} to "
             f"{np.abs(coefficients).max():g} on variables up to {magnitudes.max():g} as integers"

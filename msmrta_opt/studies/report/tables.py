@@ -16,7 +16,10 @@ from .runs import METHODS, common_instances, contenders, failures
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-STATUSES = ("optimal", "feasible", "no_solution", "infeasible", "unbounded", "error")
+STATUSES = (
+    *("optimal", "claimed", "feasible", "no_solution", "infeasible", "unbounded"),
+    *("contradicted", "error"),
+)
 MOST_NAMED = 3
 """Instances of a failure that are named; the rest is in the table of all runs."""
 
