@@ -204,7 +204,7 @@ class _Task:
                 raise
             return name, self._as_settled(truth, "")
         outcome = self._repaired(outcome)
-        if outcome.status in ("error", "skipped", "unbounded", "no_solution") and solver != AUTO:
+        if outcome.status in ("error", "skipped", "no_solution") and solver != AUTO:
             return name, outcome
         if outcome.proof in _CERTIFIED and outcome.status in PROVED:
             return name, outcome

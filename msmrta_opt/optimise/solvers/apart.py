@@ -11,6 +11,7 @@ import os
 import threading
 from collections.abc import Callable
 
+from ...interruption import interrupted
 from ...isolation import Failure, Worker
 from ...mission.errors import SolverError
 from ..program import Program
@@ -46,7 +47,9 @@ def run_apart(
             _worker = os.getpid(), Worker()
         kept = False
         try:
-            outcome: Outcome | Failure = _worker[1].call(function, program, options)
+            outcome: Outcome | Failure = _worker[1].call(
+                function, program, options, should_stop=interrupted
+            )
             kept = not isinstance(outcome, Failure) or outcome.reason == "raised"
         finally:
             if not kept:  # above all after Ctrl-C: nobody waits for the outcome any more
@@ -55,6 +58,8 @@ def run_apart(
         return outcome
     if outcome.reason == "raised":
         raise outcome.error or SolverError(outcome.message)
+    if interrupted():
+        return Outcome("no_solution", message="interrupted")
     raise SolverError(f"the solver's process {outcome.message}")
 
 
