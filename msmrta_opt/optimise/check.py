@@ -100,7 +100,7 @@ def row_misses(program: Program, x: Floats) -> tuple[Floats, Floats]:
     unit = 1.0 / scaling(program).row
     allowed = np.where(decimal, ROUNDING * np.maximum(terms, sides), TOLERANCE * (unit + terms))
     allowed[whole] = 0.0
-    allowed[np.diff(program.matrix.indptr) == 0] = TOLERANCE
+    allowed[np.diff(program.matrix.indptr) == 0] = ROUNDING
     for i in np.flatnonzero(whole & (np.maximum(terms, sides) >= LARGEST_EXACT)):
         missed[i] = _missed_in_integers(program, x, int(i))
     return missed, allowed

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats
-from .check import ROUNDING, TOLERANCE, kinds_of_rows
+from .check import ROUNDING, kinds_of_rows
 from .program import Program
 
 FEW = 2**14
@@ -55,7 +55,7 @@ def settle(program: Program) -> Settled | None:
         np.where(np.isfinite(program.row_upper), np.abs(program.row_upper), 0.0),
     )
     allowed = np.where(whole, 0.0, ROUNDING * np.maximum(np.abs(points) @ np.abs(matrix).T, sides))
-    allowed = np.where((matrix == 0).all(axis=1), TOLERANCE, allowed)
+    allowed = np.where((matrix == 0).all(axis=1), ROUNDING, allowed)
     activity = points @ matrix.T
     holds = (activity >= program.row_lower - allowed) & (activity <= program.row_upper + allowed)
     return _best(program, points[holds.all(axis=1)], int(n_points))

@@ -384,7 +384,7 @@ def _contradiction(program: Program) -> str:
     Solvers differ in what they make of these.
     """
     empty = np.diff(program.matrix.tocsr().indptr) == 0
-    asks = np.maximum(program.row_lower, -program.row_upper) > TOLERANCE
+    asks = np.maximum(program.row_lower, -program.row_upper) > ROUNDING
     for i in np.flatnonzero(empty & asks):
         return f"row '{program.row_name(int(i))}' holds no variable and is not satisfied"
     for i in np.flatnonzero(_cross(program.row_lower, program.row_upper)):
