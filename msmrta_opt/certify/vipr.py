@@ -188,9 +188,9 @@ class Reader:
 
     def keyword(self, *expected: bytes) -> bytes:
         """The next word, one of `expected`."""
-        names = " or ".join(word.decode() for word in expected)
-        found = self.word(names)
+        found = self.word(expected[0].decode())
         if found not in expected:
+            names = " or ".join(word.decode() for word in expected)
             raise self.refusal(f"{_shown(found)} where {names} should be")
         return found
 

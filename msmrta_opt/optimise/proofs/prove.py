@@ -1,0 +1,235 @@
+"""From a program and what a solver claims of it to a proof in a file, checked."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Literal
+
+from ...certify import vipr
+from ...mission.errors import CheckError
+from ...mission.files import write_with
+from ..program import Program, Sense
+from ..solution import Solution
+from .certificate import Claim, write
+from .exact import Numbers
+from .prover import TIGHT, Prover
+from .tree import Limits, leaves
+
+CLAIM_TOLERANCE = 1e-6
+"""Relative difference beyond which a proof contradicts a claim: solvers allow themselves as much."""
+ROUNDING = 1e-9
+"""Share of a row's terms by which a claimed solution may miss it in exact numbers, and no more is wrong
+with it than rounding."""
+READING: dict[Numbers, str] = {
+    "binary": "each number is the binary fraction that the program holds",
+    "decimal": "each number is the decimal of the program's file",
+    "simple": "each number is the simplest fraction within rounding of what the program holds",
+}
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What is proved of a program, and what a solver claims of it. Plain and picklable.
+
+    Values are in the program's own sense, its constant included.
+    """
+
+    status: Literal["proved", "infeasible", "partial", "none"]
+    """``proved``: that the value is optimal; ``infeasible``: that there is none; ``partial``: a bound
+    that is not the value, or no solution that is feasible in exact numbers; ``none``: nothing."""
+    sense: Sense
+    value: float | None = None
+    """Of a solution that is feasible in exact numbers."""
+    bound: float | None = None
+    """No point is better than this."""
+    exact_value: Fraction | None = field(default=None, repr=False)
+    exact_bound: Fraction | None = field(default=None, repr=False)
+    claimed_by: str = ""
+    """Solver and version."""
+    claimed_status: str = ""
+    claimed_value: float | None = None
+    numbers: Numbers = "binary"
+    """What floats were taken for; see `exact_program`."""
+    rounded: bool = False
+    """Whether the claimed solution misses rows in exact numbers, but by rounding only."""
+    contradiction: str = ""
+    """In what the proof contradicts the claim; empty if it does not."""
+    remark: str = ""
+    """Why not all is proved; empty if it is."""
+    nodes: int = 0
+    """Nodes that were looked at."""
+    leaves: int = 0
+    derivations: int = 0
+    size: int = 0
+    """Bytes of the certificate."""
+    seconds: float = 0.0
+    """Of finding the proof and writing it down."""
+    check_seconds: float = 0.0
+    """Of checking it."""
+    path: str = ""
+
+    @property
+    def summary(self) -> str:
+        """What is proved, what it took, and what is only claimed, in a line."""
+        took = f"{self.leaves} leaves, {self.size} bytes, {self.seconds:.1f} s"
+        if self.status == "proved":
+            said = f"proved ({took})"
+        elif self.status == "infeasible":
+            said = f"proved infeasible ({took})"
+        else:
+            bound = "nothing" if self.bound is None else f"{self.bound:.9g}"
+            said = f"claimed by {self.claimed_by}; proved up to {bound} ({took}): {self.remark}"
+        return f"{said}; CONTRADICTED: {self.contradiction}" if self.contradiction else said
+
+
+def prove_program(
+    program: Program,
+    claim: Solution,
+    path: str | Path,
+    *,
+    time_limit: float | None = None,
+    size_limit: float | None = None,
+    numbers: Sequence[Numbers] = ("binary", "simple"),
+    comments: tuple[str, ...] = (),
+) -> Proof:
+    """Prove what `claim` says of `program`, as far as possible, and write the certificate to `path`.
+
+    Parameters
+    ----------
+    program : Program
+        The arrays.
+    claim : Solution
+        What a solver says of it.
+    path : path
+        Where the certificate goes.
+    time_limit : float, optional
+        Seconds for the search; what is proved by then is written.
+    size_limit : float, optional
+        Bytes of derivations after which the search stops.
+    numbers : sequence of str
+        What floats stand for (see `exact_program`): the first of these with which the claimed solution
+        is feasible in exact numbers, or else the first of all.
+    comments : tuple of str
+        Lines at the beginning of the certificate.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    CheckError
+        If the certificate does not pass its check: nothing of it is to be believed then.
+    """
+    began = time.perf_counter()
+    limits = Limits(
+        began + time_limit if time_limit is not None else math.inf,
+        math.inf if size_limit is None else size_limit,
+    )
+    prover = _prover(program, claim, limits, numbers)
+    proved = prover.run()
+    said = Claim(proved.infeasible, proved.derived, proved.bound, prover.value, prover.point)
+    counts: list[int] = []
+
+    def put(temporary: Path) -> None:
+        with temporary.open("wb") as file:
+            counts.append(
+                write(
+                    file, prover.program, said, proved.root, prover.lemmas, prover.spool,
+                    proved.grid, (*comments, READING[prover.numbers]),
+                )
+            )  # fmt: skip
+
+    write_with(path, put)
+    written = time.perf_counter()
+    try:
+        vipr.verify(str(path))
+    except vipr.RefusedError as refusal:
+        raise CheckError(f"{path}: the certificate does not pass its check: {refusal}") from None
+    sign = prover.program.sign
+    return judged(
+        Proof(
+            status="infeasible" if proved.infeasible else "none",
+            sense=program.sense,
+            exact_value=None if prover.value is None else sign * prover.value,
+            exact_bound=None if proved.bound is None else sign * proved.bound,
+            claimed_by=f"{claim.solver} {claim.solver_version}".strip(),
+            claimed_status=claim.status,
+            claimed_value=claim.objective,
+            numbers=prover.numbers,
+            rounded=prover.violated is not None and prover.violated.relative <= ROUNDING,
+            remark=proved.remark,
+            nodes=prover.search.n_nodes,
+            leaves=0 if proved.root is None else sum(1 for _ in leaves(proved.root)),
+            derivations=counts[0],
+            size=Path(path).stat().st_size,
+            seconds=written - began,
+            check_seconds=time.perf_counter() - written,
+            path=str(path),
+        ),
+        scale=float(max((abs(c) for c in prover.program.cost), default=0)),
+    )
+
+
+def _prover(
+    program: Program, claim: Solution, limits: Limits, numbers: Sequence[Numbers]
+) -> Prover:
+    """With the first of `numbers` by which the claimed solution is feasible, or else the first."""
+    provers = (Prover(program, claim, limits, reading) for reading in numbers)
+    first = next(provers)
+    if first.value is not None or not claim.values:
+        return first
+    return next((other for other in provers if other.value is not None), first)
+
+
+def judged(proof: Proof, *, scale: float) -> Proof:
+    """`proof` with its status worked out, and what it says of the claim; `scale` is of the costs."""
+    value = None if proof.exact_value is None else float(proof.exact_value)
+    bound = None if proof.exact_bound is None else float(proof.exact_bound)
+    near = TIGHT * max(scale, abs(value or 0.0), abs(bound or 0.0))
+    status = proof.status
+    if status != "infeasible":
+        if value is not None and bound is not None and abs(value - bound) <= near:
+            status = "proved"
+        elif value is not None or bound is not None:
+            status = "partial"
+    known = replace(proof, status=status, value=value, bound=bound)
+    if status == "proved" or (status == "infeasible" and not proof.rounded):
+        known = replace(known, remark="")
+    claim = Claimed(proof.claimed_status, proof.claimed_value)
+    return replace(known, contradiction=contradiction(claim, known))
+
+
+@dataclass(frozen=True)
+class Claimed:
+    """What a solver says: a status of `Solution`, and a value if it has one."""
+
+    status: str
+    objective: float | None
+
+
+def contradiction(claim: Claimed | Solution, proof: Proof) -> str:
+    """In what `proof` contradicts `claim`, of the same program; empty if it does not."""
+    claimed, value, bound = claim.objective, proof.value, proof.bound
+    if claim.status == "infeasible" and value is not None:
+        return f"it claims that there is no solution, and {value:.9g} is the value of one"
+    if claimed is None:
+        return ""
+    if proof.status == "infeasible":
+        if proof.rounded:
+            return ""
+        return f"it claims a solution of value {claimed:.9g}, and there is none"
+    sign = 1 if proof.sense == "min" else -1
+    slack = CLAIM_TOLERANCE * max(abs(claimed), abs(value or 0.0), abs(bound or 0.0))
+    if claim.status == "optimal" and value is not None and sign * (claimed - value) > slack:
+        return f"it claims that {claimed:.9g} is optimal, and {value:.9g} is feasible"
+    if bound is not None and proof.rounded and proof.claimed_value is not None:
+        bound = sign * min(sign * bound, sign * proof.claimed_value)
+    if bound is not None and sign * (bound - claimed) > slack:
+        return (
+            f"it claims a solution of value {claimed:.9g}, and no point is better than {bound:.9g}"
+        )
+    return ""
