@@ -112,7 +112,7 @@ class ExactProgram:
             for bound, sign in ((low, 1), (high, -1)):
                 side = Fraction(0 if bound is None else bound)
                 if bound is not None and sign * (side - value) > 0:
-                    share = float(abs(side - value) / (abs(side) + Fraction(abs(value))))
+                    share = float(abs(side - value) / (abs(side) + abs(Fraction(value))))
                     yield Violation(f"{name} = {float(value)!r} is beyond {float(side)!r}", share)
         for row in self.rows:
             terms = [

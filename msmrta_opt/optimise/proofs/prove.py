@@ -22,9 +22,6 @@ from .tree import Limits, leaves
 
 CLAIM_TOLERANCE = 1e-6
 """Relative difference beyond which a proof contradicts a claim: solvers allow themselves as much."""
-ROUNDING = 1e-9
-"""Share of a row's terms by which a claimed solution may miss it in exact numbers, and no more is wrong
-with it than rounding."""
 READING: dict[Numbers, str] = {
     "binary": "each number is the binary fraction that the program holds",
     "decimal": "each number is the decimal of the program's file",
@@ -160,7 +157,7 @@ def prove_program(
             claimed_status=claim.status,
             claimed_value=claim.objective,
             numbers=prover.numbers,
-            rounded=prover.violated is not None and prover.violated.relative <= ROUNDING,
+            rounded=prover.is_rounded,
             remark=proved.remark,
             nodes=prover.search.n_nodes,
             leaves=0 if proved.root is None else sum(1 for _ in leaves(proved.root)),
@@ -224,7 +221,11 @@ def contradiction(claim: Claimed | Solution, proof: Proof) -> str:
         return f"it claims a solution of value {claimed:.9g}, and there is none"
     sign = 1 if proof.sense == "min" else -1
     slack = CLAIM_TOLERANCE * max(abs(claimed), abs(value or 0.0), abs(bound or 0.0))
-    if claim.status == "optimal" and value is not None and sign * (claimed - value) > slack:
+    if (
+        claim.status in ("optimal", "claimed")
+        and value is not None
+        and sign * (claimed - value) > slack
+    ):
         return f"it claims that {claimed:.9g} is optimal, and {value:.9g} is feasible"
     if bound is not None and proof.rounded and proof.claimed_value is not None:
         bound = sign * min(sign * bound, sign * proof.claimed_value)

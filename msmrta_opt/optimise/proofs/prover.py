@@ -12,6 +12,7 @@ import numpy as np
 
 from ...arrays import Floats
 from ..program import Program
+from ..scaling import scaling
 from ..solution import Solution
 from .basis import exact_point
 from .branching import Search
@@ -26,6 +27,11 @@ from .tree import FOUND, NODES, Limits, Node, leaves
 
 TIGHT = 1e-9
 """Difference, relative to the objective's terms, up to which a bound and a value are the same."""
+ROUNDING = 1e-9
+"""Share of a row's terms by which a claimed solution may miss it in exact numbers, and no more is wrong
+with it than rounding."""
+INTEGRAL = 1e-5
+"""Distance from an integer up to which a solver may call a value one."""
 NODES_WITHOUT_CUTS = 50
 """Of a tree that is tried before cuts are looked for."""
 CLOSING_SECONDS = 5.0
@@ -71,7 +77,7 @@ class Prover:
         self.program: ExactProgram = exact_program(program, numbers)
         self.lemmas = Lemmas()
         self.box = implied_bounds(self.program, self.lemmas)
-        self.relaxation = Relaxation(self.program)
+        self.relaxation = Relaxation(self.program, scaling(program))
         for j, integer in enumerate(self.program.integer):
             if integer:
                 self.relaxation.set_bounds(j, *self.box.bounds(j))
@@ -87,9 +93,16 @@ class Prover:
         self._target: Fraction | None = None
         if claim.values:
             x = np.concatenate([claim.values[block.name].ravel("F") for block in program.columns])
-            if self._found(x) is None and claim.objective is not None:
+            if self._found(x) is None:
+                self.violated = self.program.violated(self._read(x))
+            if self.is_rounded and claim.objective is not None:
                 self._target = self._below(Fraction(self.program.sign * claim.objective))
         self.search = self._new_search()
+
+    @property
+    def is_rounded(self) -> bool:
+        """Whether the claimed solution is infeasible in exact numbers, but by rounding only."""
+        return self.violated is not None and self.violated.relative <= ROUNDING
 
     # Solutions.
 
@@ -113,19 +126,22 @@ class Prover:
 
     def _exactly(self, x: Floats) -> Sequence[Rational] | None:
         """`x` in exact numbers, if that is feasible, maybe with other values of continuous columns."""
-        program = self.program
-        point: list[Rational] = [
-            round(v) if whole or v.is_integer() else Fraction(v)
-            for v, whole in zip(x.tolist(), program.integer, strict=False)
-        ]
-        point += [1] * (program.n_columns - len(point))
-        violated = program.violated(point)
-        if violated and not all(program.integer):
-            better = self._at_a_basis(point)
-            if better is not None and not program.violated(better):
-                return better
-        self.violated = self.violated or violated
-        return None if violated else point
+        point = self._read(x)
+        if not self.program.violated(point):
+            return point
+        if all(self.program.integer):
+            return None
+        better = self._at_a_basis(point)
+        return None if better is None or self.program.violated(better) else better
+
+    def _read(self, x: Floats) -> list[Rational]:
+        """`x` as fractions, integers rounded where that is slight, and the constant's column."""
+        point: list[Rational] = []
+        for value, whole in zip(x.tolist(), self.program.integer, strict=False):
+            near = round(value)
+            is_near = value == near or (whole and abs(value - near) <= INTEGRAL)
+            point.append(near if is_near else Fraction(value))
+        return point + [1] * (self.program.n_columns - len(point))
 
     def _at_a_basis(self, point: list[Rational]) -> list[Rational] | None:
         """`point` with continuous columns from a basic solution, its integers kept."""

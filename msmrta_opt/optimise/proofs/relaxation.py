@@ -13,12 +13,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...arrays import Bools, Floats, Ints
+from ...arrays import Bools, Floats
+from ..scaling import Scaling
 from .exact import ExactProgram, Rational, Row
-
-ROUNDS_OF_SCALING = 4
-WELL_SCALED = 1e3
-"""Ratio of a row's or column's largest coefficient to 1 up to which it is left as it is."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ class Relaxed:
 class Relaxation:
     """The relaxation of `program`, whose bounds can be changed and to which rows can be added."""
 
-    def __init__(self, program: ExactProgram) -> None:
+    def __init__(self, program: ExactProgram, factors: Scaling) -> None:
         import highspy
 
         self.program = program
@@ -54,8 +51,15 @@ class Relaxation:
             "small_matrix_value": 1e-12,
         }.items():
             self._highs.setOptionValue(name, value)
-        self._scale_rows, self._scale_columns = _scaling(program)
-        self._scale_cost = _scale_of_cost(program, self._scale_columns)
+        self._scale_rows: Floats = np.array(
+            [
+                factors.row[i] / row.factor
+                for i, row in zip(program.row_of, program.rows, strict=True)
+            ]
+        )
+        extra = np.ones(program.n_columns - len(factors.column))
+        self._scale_columns: Floats = np.concatenate([factors.column, extra])
+        self._scale_cost = factors.objective
         lower = [_float(b, -math.inf) for b in program.lower]
         upper = [_float(b, math.inf) for b in program.upper]
         cost = np.array([float(c) for c in program.cost]) * self._scale_columns * self._scale_cost
@@ -221,46 +225,3 @@ def _times(number: int, scale: float) -> float:
     except OverflowError:
         over, under = scale.as_integer_ratio()
         return (number * over) / under
-
-
-def _scaling(program: ExactProgram) -> tuple[Floats, Floats]:
-    """Powers of two by which rows and columns are multiplied, so that coefficients are near 1."""
-    n_rows, n_columns = len(program.rows), program.n_columns
-    exponents: list[int] = []
-    rows: list[int] = []
-    columns: list[int] = []
-    for i, row in enumerate(program.rows):
-        exponents.extend(a.bit_length() for a in row.coefficients)
-        rows.extend([i] * len(row.columns))
-        columns.extend(row.columns)
-    size, in_row, in_column = (
-        np.array(exponents, float),
-        np.array(rows, int),
-        np.array(columns, int),
-    )
-    of_rows, of_columns = np.zeros(n_rows), np.zeros(n_columns)
-    for _ in range(ROUNDS_OF_SCALING):
-        of_rows -= np.round(_middle(size + of_rows[in_row] + of_columns[in_column], in_row, n_rows))
-        now = size + of_rows[in_row] + of_columns[in_column]
-        if not len(now) or np.abs(now - 1).max() <= math.log2(WELL_SCALED):
-            break
-        of_columns -= np.round(_middle(now, in_column, n_columns))
-    return np.ldexp(1.0, of_rows.astype(int)), np.ldexp(1.0, of_columns.astype(int))
-
-
-def _middle(exponents: Floats, group: Ints, n_groups: int) -> Floats:
-    """Half of the sum of the least and the largest of each group."""
-    low, high = np.full(n_groups, np.inf), np.full(n_groups, -np.inf)
-    np.minimum.at(low, group, exponents)
-    np.maximum.at(high, group, exponents)
-    low[np.isinf(low)], high[np.isinf(high)] = 1.0, 1.0
-    found: Floats = (low + high) / 2 - 1.0
-    return found
-
-
-def _scale_of_cost(program: ExactProgram, columns: Floats) -> float:
-    sizes = [abs(float(c)) * s for c, s in zip(program.cost, columns.tolist(), strict=True) if c]
-    if not sizes:
-        return 1.0
-    middle = (math.frexp(min(sizes))[1] + math.frexp(max(sizes))[1]) // 2
-    return 1.0 if abs(middle) <= math.log2(WELL_SCALED) else math.ldexp(1.0, -middle)
