@@ -15,7 +15,7 @@ import sqlite3
 import tempfile
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import astuple, fields
 from functools import cache
 from pathlib import Path
@@ -68,10 +68,15 @@ class Ledger:
             raise InputError("no ledger yet; run the study first", file=path)
         self._read_only = read_only
         self._owner = _identity(psutil.Process())
-        with self._explained():
-            self._database = self._opened_to_read() if read_only else _connected(self.path)
-            if not read_only:
+        with self._explained(), ExitStack() as unless_opened:
+            self._database = _connected(self.path, "?mode=rw" if read_only else "")
+            # Whatever it is by then: the file, or a copy of it.
+            unless_opened.callback(lambda: self._database.close())
+            if read_only:
+                self._open_to_read()
+            else:
                 self._prepare()
+            unless_opened.pop_all()
 
     def __enter__(self) -> Self:
         return self
@@ -208,17 +213,15 @@ class Ledger:
             )
             self._execute(f"PRAGMA user_version = {LAYOUT}")
 
-    def _opened_to_read(self) -> sqlite3.Connection:
-        """The database, or a copy of it where SQLite would have to write beside it to read it."""
-        database = _connected(self.path, "?mode=rw")
+    def _open_to_read(self) -> None:
+        """See that the file can be read, or take a copy where SQLite would have to write beside it."""
         try:
-            self._database = database
             self._layout()
-            return database
+            return
         except sqlite3.OperationalError as error:
-            database.close()
             if _code(error) not in (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN):
                 raise
+        self._database.close()
         self._copy = tempfile.TemporaryDirectory()
         copy = Path(self._copy.name) / "ledger.sqlite"
         shutil.copyfile(self.path, copy)
@@ -227,7 +230,6 @@ class Ledger:
             shutil.copyfile(log, copy.with_name("ledger.sqlite-wal"))
         self._database = _connected(copy)
         self._layout()
-        return self._database
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -249,6 +251,8 @@ class Ledger:
         except sqlite3.Error as error:
             known = SAID.get(_code(error), f"not a ledger that can be used ({error})")
             raise InputError(known, file=self.path) from None
+        except UnicodeDecodeError:  # in what SQLite quotes of a damaged file
+            raise InputError("not a ledger that can be used (damaged)", file=self.path) from None
         except OSError as error:
             raise InputError(f"cannot be read ({error.strerror})", file=self.path) from None
 

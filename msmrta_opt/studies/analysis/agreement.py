@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-6
 """Relative difference up to which two optima agree."""
+SMALLEST = 1e-3
+"""Values below this are compared as if they were this: a solver's zero is not exact."""
 
 
 def disagreements(rows: Sequence[Record] | pd.DataFrame, tolerance: float = TOLERANCE) -> list[str]:
@@ -40,7 +42,7 @@ def disagreements(rows: Sequence[Record] | pd.DataFrame, tolerance: float = TOLE
         endless = [row for row in group if row.verdict == "unbounded"]
         for value, bound in product(values, bounds):
             sign = 1.0 if bound.sense == "min" else -1.0
-            slack = tolerance * max(1.0, abs(value.objective or 0.0))
+            slack = tolerance * max(SMALLEST, abs(value.objective or 0.0))
             if sign * ((bound.bound or 0.0) - (value.objective or 0.0)) > slack:
                 found.append(
                     f"{model} on {instance}: {value.solver} has {value.objective:.9g}, but"

@@ -11,7 +11,7 @@ from ...mission.files import read_json, write_text
 from ...mission.validation import said_of
 from ..record import Record
 from ..solves import documents_of, record_of_row
-from .agreement import TOLERANCE
+from .agreement import SMALLEST, TOLERANCE
 
 FORMAT = "msmrta-comparison/1"
 SHORTEST_SECONDS = 0.1
@@ -94,7 +94,7 @@ def _differences(old: Record, new: Record, tolerance: float) -> list[str]:
     for name in names:
         was, is_ = getattr(old, name), getattr(new, name)
         if (was is None) != (is_ is None) or (
-            was is not None and abs(was - is_) > tolerance * max(1.0, abs(was))
+            was is not None and abs(was - is_) > tolerance * max(SMALLEST, abs(was))
         ):
             found.append(f"{name} {_number(is_)}, was {_number(was)}")
     return found

@@ -90,6 +90,23 @@ def test_where_a_limit_stopped_both_values_may_differ() -> None:
     assert changes([old], [now(status="feasible", objective=4.0, bound=6.0)]) == []
 
 
+@pytest.mark.parametrize("unit", [1e-6, 1e-3, 1e3, 1e9])
+def test_a_change_is_found_in_any_unit_of_time(unit: float) -> None:
+    old = now(objective=5 * unit, bound=5 * unit)
+    assert changes([old], [old]) == []
+    assert changes([old], [now(objective=5.1 * unit, bound=5 * unit)]) != []
+
+
+@pytest.mark.parametrize("field", ["objective", "bound", "gap", "total_seconds"])
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
+def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, field: str, number: str) -> None:
+    path = tmp_path / "baseline.json"
+    rows = json.dumps({"format": FORMAT, "rows": [ROW | {field: "here"}]})
+    path.write_text(rows.replace('"here"', number))
+    with pytest.raises(InputError, match=field):
+        read_baseline(path)
+
+
 def test_missing_and_new_solves_are_listed() -> None:
     other = now(solver="scip")
     assert changes([OLD], [other]) == [
