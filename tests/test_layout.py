@@ -23,6 +23,7 @@ MAY_USE = {
     "plots": {"mission"},
     "formulations": set(),
     "optimise": {"formulations", "mission"},
+    "proofs": {"certify", "optimise", "mission"},
     "routing": {"certify", "optimise", "mission"},
     "stages": {"routing", "optimise", "mission"},
     "planners": {"certify", "stages", "routing", "optimise", "mission"},

@@ -16,8 +16,8 @@ from support.vipr_oracle import refutation
 
 from msmrta_opt.certify.vipr import RefusedError, verify
 from msmrta_opt.optimise.program import Program
-from msmrta_opt.optimise.proofs.prove import prove_program
 from msmrta_opt.optimise.solve import solve_program
+from msmrta_opt.proofs.prove import prove_program
 
 KEYWORDS = ("G", "L", "E", "asm", "lin", "rnd", "uns", "sol", "min", "max", "infeas", "range", "inf",
             "-inf", "OBJ")  # fmt: skip

@@ -16,7 +16,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from ...arrays import Bools, Floats, Ints
+from ..arrays import Bools, Floats, Ints
 from .derivation import Box, Side
 from .exact import ExactProgram, Row
 from .networks import networks

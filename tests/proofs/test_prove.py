@@ -16,10 +16,10 @@ from support.programs import INF, best_value, program
 
 from msmrta_opt.certify import vipr
 from msmrta_opt.optimise.program import Program
-from msmrta_opt.optimise.proofs.prove import Proof, prove_program
-from msmrta_opt.optimise.proofs.relaxation import Relaxation
 from msmrta_opt.optimise.solution import Solution
 from msmrta_opt.optimise.solve import solve_program
+from msmrta_opt.proofs.prove import Proof, prove_program
+from msmrta_opt.proofs.relaxation import Relaxation
 
 
 def proved(given: Program, path: Path, claim: Solution | None = None, **options: Any) -> Proof:

@@ -10,11 +10,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Literal
 
-from ...certify import vipr
-from ...mission.errors import CheckError
-from ...mission.files import write_with
-from ..program import Program, Sense
-from ..solution import Solution
+from ..certify import vipr
+from ..mission.errors import CheckError
+from ..mission.files import write_with
+from ..optimise.program import Program, Sense
+from ..optimise.solution import Solution
 from .certificate import Claim, write
 from .exact import Numbers
 from .prover import TIGHT, Prover

@@ -13,8 +13,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...arrays import Bools, Floats
-from ..scaling import Scaling
+from ..arrays import Bools, Floats
+from ..optimise.scaling import Scaling
 from .exact import ExactProgram, Rational, Row
 
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal
 
-from ...mission.exact import exact
-from ..program import Program
+from ..mission.exact import exact
+from ..optimise.program import Program
 
 CONSTANT = "objective_constant"
 """Name of the variable that is 1."""

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
-from ...arrays import Bools, Floats
+from ..arrays import Bools, Floats
 from .derivation import Box
 from .exact import ExactProgram, Row
 

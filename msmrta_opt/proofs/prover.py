@@ -10,10 +10,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from ...arrays import Floats
-from ..program import Program
-from ..scaling import scaling
-from ..solution import Solution
+from ..arrays import Floats
+from ..optimise.program import Program
+from ..optimise.scaling import scaling
+from ..optimise.solution import Solution
 from .basis import exact_point
 from .branching import Search
 from .cutting_plane import strengthen

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from ...arrays import Floats
+from ..arrays import Floats
 from .derivation import Box, Combination
 from .exact import ExactProgram, Rational, Row
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import Bools, Floats
+from ..arrays import Bools, Floats
 
 HALVINGS = 3
 INSIDE = 1e-6

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import Floats
+from ..arrays import Floats
 from .basis import exact_duals
 from .derivation import Box, Combination, Leaf, Side, Spool
 from .exact import ExactProgram
