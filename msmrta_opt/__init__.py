@@ -68,6 +68,9 @@ if TYPE_CHECKING:
     from .planners import planners as list_planners  # noqa: F401
     from .planners import planners as planners
     from .planners.support.mip_start import mip_start as mip_start
+    from .proofs.prove import Proof as Proof
+    from .proofs.prove import prove as prove
+    from .proofs.stated import check_proof as check_proof
     from .stages import algorithm as algorithm
     from .stages.data import stage_data as stage_data
     from .stages.options import StagedOptions as StagedOptions

@@ -27,8 +27,13 @@ MAY_USE = {
     "routing": {"certify", "optimise", "mission"},
     "stages": {"routing", "optimise", "mission"},
     "planners": {"certify", "stages", "routing", "optimise", "mission"},
-    "studies": {"certify", "plots", "planners", "stages", "routing", "optimise", "mission"},
-    "cli": {"certify", "plots", "studies", "planners", "stages", "routing", "optimise", "mission"},
+    "studies": {
+        *("proofs", "certify", "plots", "planners", "stages", "routing", "optimise", "mission"),
+    },
+    "cli": {
+        *("studies", "proofs", "certify", "plots", "planners", "stages", "routing", "optimise"),
+        "mission",
+    },
 }
 """By folder, the folders that it may import from: always downwards."""
 LEAVES = {"arrays": {"mission"}, "isolation": {"mission"}}

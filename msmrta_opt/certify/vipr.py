@@ -144,7 +144,9 @@ class Certificate:
             return "infeasible"
         low = "(-inf" if self.lower is None else f"[{_shown(self.lower)}"
         high = "inf)" if self.upper is None else f"{_shown(self.upper)}]"
-        return f"{'minimum' if self.minimise else 'maximum'} in {low}, {high}"
+        ends = [f"{float(end):.9g}" for end in (self.lower, self.upper) if end is not None]
+        about = f" (about {ends[-1]})" if "/" in low + high and len({*ends}) == 1 else ""
+        return f"{'minimum' if self.minimise else 'maximum'} in {low}, {high}{about}"
 
     @property
     def relation(self) -> Constraint | None:

@@ -20,7 +20,7 @@ import typer
 
 from .. import interruption
 from ..mission.errors import CheckError, MsmrtaError
-from . import compare, exact, generate, missions, models, plans, programs, study, tradeoff
+from . import compare, exact, generate, missions, models, plans, programs, proofs, study, tradeoff
 from .screen import open_closed_descriptors, screens
 
 app = typer.Typer(
@@ -31,7 +31,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help starts in half the time
 )
-for group in (missions, generate, exact, plans, models, programs, compare, tradeoff, study):
+for group in (
+    missions, generate, exact, plans, models, programs, proofs, compare, tradeoff, study
+):  # fmt: skip
     group.register(app)
 
 

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .models import Options, Parameters
+from .proofs import SUFFIX, check_proofs
+
 if TYPE_CHECKING:
     from ..certify.certificates import Recheck
     from ..mission.instance import Instance
@@ -31,7 +34,14 @@ class _Verdict:
 
 
 def check(
-    files: Annotated[list[Path], typer.Argument(help="Instance and plan files.", metavar="FILE…")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            help="Instance and plan files; or proofs (FILE.vipr); or a proof, a formulation and an "
+            "instance, of whose program it must be.",
+            metavar="FILE…",
+        ),
+    ],
     bound: Annotated[
         bool,
         typer.Option(
@@ -55,6 +65,8 @@ def check(
         str | None,
         typer.Option(help="With --bound: who solves again.  [default: glpk or scip; model: highs]"),
     ] = None,
+    parameters: Parameters = None,
+    options: Options = None,
 ) -> None:
     """Check instances and plans; plans by a checker that shares no code with the planners.
 
@@ -65,6 +77,9 @@ def check(
     from ..mission.errors import InputError
     from ..mission.instance import Instance
 
+    if any(file.suffix == SUFFIX for file in files):
+        check_proofs(files, options, parameters)
+        return
     for name, value in {"--strict": strict, "--time-limit": time_limit, "--solver": solver}.items():
         if value not in (None, False) and not bound:
             raise InputError("is for bounds; give --bound with it", field=name)

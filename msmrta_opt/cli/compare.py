@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..mission.instance import Instance
     from ..stages.options import StagedOptions
     from ..studies.analysis.score import Score
+    from ..studies.proving import Verdict
     from ..studies.record import Record
 
 
@@ -47,6 +48,12 @@ def compare(
     scores: Annotated[
         bool, typer.Option("--scores/--no-scores", help="Measure the plans that come of each.")
     ] = True,
+    prove: Annotated[
+        bool,
+        typer.Option(
+            "--prove", help="Prove each program's optimum; a solver that claims another is wrong."
+        ),
+    ] = False,
     csv: Annotated[Path | None, typer.Option(help="Write the rows here.")] = None,
     parquet: Annotated[Path | None, typer.Option(help="Write the rows here.")] = None,
     json: Json = None,
@@ -67,8 +74,10 @@ def compare(
     from ..studies.analysis.agreement import disagreements
     from ..studies.analysis.regression import changes, read_baseline
     from ..studies.missions import read_instances
+    from ..studies.proving import verdicts
     from .console import console, say
     from .outputs import check_outputs, check_parquet
+    from .proofs import held_against, show_verdicts
 
     check_outputs(csv, parquet, json, save, figure=figure, inputs=[*instances, against])
     check_parquet(parquet)
@@ -90,6 +99,7 @@ def compare(
     )
     rows: list[Record] = []
     measured: list[Score] = []
+    proofs: list[Verdict] = []
     is_whole = False
     try:
         with closing(study.compare(todo, jobs=jobs, memory_limit=memory_limit)) as finished:
@@ -99,13 +109,17 @@ def compare(
         if scores:
             for item in _scores(missions, stage, rows, options, time_limit, memory_limit):
                 measured.append(item)  # noqa: PERF402
+        if prove:
+            for verdict in verdicts(todo, rows, time_limit=time_limit):
+                proofs.append(verdict)  # noqa: PERF402
         is_whole = True
     except KeyboardInterrupt:
         pass
-    rows = study.in_order(todo, rows)
+    rows = held_against(proofs, study.in_order(todo, rows))
     # Files first: whatever becomes of the screen, what was found is kept. A part is no baseline.
     _write(rows, csv, parquet, json, figure, save if is_whole else None)
     _show(rows, measured)
+    show_verdicts(proofs)
     if not is_whole:
         console().print(f"interrupted: {len(rows)} of {len(todo)} solves are shown", style="yellow")
         raise KeyboardInterrupt

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from .outputs import named_values
 
 if TYPE_CHECKING:
     from ..mission.instance import Instance
@@ -16,6 +18,16 @@ Folders = Annotated[
     typer.Option("--models", help="A further folder of formulations.", metavar="DIR"),
 ]
 Model = Annotated[str, typer.Argument(help="A formulation.", metavar="MODEL")]
+
+
+Parameters = Annotated[
+    list[str] | None,
+    typer.Option("--param", help="A parameter of the formulation.", metavar="NAME=VALUE"),
+]
+Options = Annotated[
+    list[str] | None,
+    typer.Option("--option", help="An option of the stages before.", metavar="NAME=VALUE"),
+]
 
 
 def register(app: typer.Typer) -> None:
@@ -191,3 +203,34 @@ def solvers() -> None:
             for solver in all_solvers().values()
         ],
     )
+
+
+def prepared(
+    model: str, instance: Path, options: list[str] | None, folders: list[Path] | None
+) -> tuple[Formulation, Any]:
+    """The formulation and its data, for an instance file."""
+    from ..mission.instance import Instance
+    from ..optimise import registry
+    from ..stages.data import stage_data
+    from ..stages.options import options_type
+
+    add_folders(folders)
+    formulation = registry.get(model)
+    stage = formulation.spec.stage
+    given = options_type(stage).of(**named_values(options))
+    return formulation, stage_data(Instance.read(instance), stage, given)
+
+
+def numbers(formulation: Formulation, texts: list[str] | None) -> dict[str, Any]:
+    """The parameters of `formulation`, those of `texts` and defaults for the rest."""
+    from ..mission.errors import InputError
+    from ..optimise.compile import parameter_values
+
+    given = {}
+    for text in texts or []:
+        name, _, value = text.partition("=")
+        try:
+            given[name] = float(value)
+        except ValueError:
+            raise InputError(f"{text!r}; give NAME=NUMBER", field="--param") from None
+    return parameter_values(formulation, given)

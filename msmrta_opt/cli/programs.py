@@ -8,22 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .missions import InstanceFile
-from .models import Folders, Model, add_folders
+from .models import Folders, Model, Options, Parameters, numbers, prepared
 from .outputs import named_values
 
 if TYPE_CHECKING:
     from ..arrays import Floats
     from ..optimise.registry import Formulation
     from ..optimise.solution import Solution
-
-Parameters = Annotated[
-    list[str] | None,
-    typer.Option("--param", help="A parameter of the formulation.", metavar="NAME=VALUE"),
-]
-Options = Annotated[
-    list[str] | None,
-    typer.Option("--option", help="An option of the stages before.", metavar="NAME=VALUE"),
-]
 
 
 def register(app: typer.Typer) -> None:
@@ -53,14 +44,25 @@ def solve(
         ),
     ] = None,
     verbose: Annotated[bool, typer.Option("--verbose", help="Show the solver's log.")] = False,
+    proof: Annotated[
+        Path | None,
+        typer.Option(
+            help="Prove what the solver says, and write the certificate here.", metavar="FILE.vipr"
+        ),
+    ] = None,
+    proof_time: Annotated[float, typer.Option(help="Seconds to look for the proof.", min=0)] = 600,
     parameters: Parameters = None,
     options: Options = None,
     folders: Folders = None,
 ) -> None:
     """Solve a formulation on an instance, and print the solution with its certificate."""
     from ..optimise.solve import solve as solve_it
+    from .outputs import check_outputs
+    from .proofs import proved, require_suffix
 
-    formulation, data = _prepared(model, instance, options, folders)
+    require_suffix(proof)
+    check_outputs(proof, inputs=[instance])
+    formulation, data = prepared(model, instance, options, folders)
     point = None if start is None else _start(start, formulation, data, instance, options)
     solution = solve_it(
         formulation,
@@ -73,10 +75,15 @@ def solve(
         threads=threads,
         start=point,
         verbose=verbose,
-        **_numbers(formulation, parameters),
+        **numbers(formulation, parameters),
     )
     _show_solution(solution)
-    if not solution.found:
+    is_contradicted = False
+    if proof is not None:
+        values = numbers(formulation, parameters)
+        found = proved(solution, formulation, data, proof, proof_time, values)
+        is_contradicted = bool(found.contradiction)
+    if not solution.found or is_contradicted:
         raise typer.Exit(1)
 
 
@@ -150,8 +157,8 @@ def export(
 
     check_outputs(output, inputs=[instance])
     require_format(output)
-    formulation, data = _prepared(model, instance, options, folders)
-    write(formulation, data, output, **_numbers(formulation, parameters))
+    formulation, data = prepared(model, instance, options, folders)
+    write(formulation, data, output, **numbers(formulation, parameters))
     typer.echo(f"{formulation.name} written to {output}")
 
 
@@ -167,39 +174,8 @@ def explain(
     from ..optimise.explain import explain as find
     from .console import say
 
-    formulation, data = _prepared(model, instance, options, folders)
-    found = find(formulation, data, time_limit=time_limit, **_numbers(formulation, parameters))
+    formulation, data = prepared(model, instance, options, folders)
+    found = find(formulation, data, time_limit=time_limit, **numbers(formulation, parameters))
     say(found.text)
     if found.status == "unknown":
         raise typer.Exit(1)
-
-
-def _prepared(
-    model: str, instance: Path, options: list[str] | None, folders: list[Path] | None
-) -> tuple[Formulation, Any]:
-    """The formulation and its data, for an instance file."""
-    from ..mission.instance import Instance
-    from ..optimise import registry
-    from ..stages.data import stage_data
-    from ..stages.options import options_type
-
-    add_folders(folders)
-    formulation = registry.get(model)
-    stage = formulation.spec.stage
-    given = options_type(stage).of(**named_values(options))
-    return formulation, stage_data(Instance.read(instance), stage, given)
-
-
-def _numbers(formulation: Formulation, texts: list[str] | None) -> dict[str, Any]:
-    """The parameters of `formulation`, those of `texts` and defaults for the rest."""
-    from ..mission.errors import InputError
-    from ..optimise.compile import parameter_values
-
-    given = {}
-    for text in texts or []:
-        name, _, value = text.partition("=")
-        try:
-            given[name] = float(value)
-        except ValueError:
-            raise InputError(f"{text!r}; give NAME=NUMBER", field="--param") from None
-    return parameter_values(formulation, given)

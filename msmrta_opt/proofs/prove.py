@@ -8,18 +8,29 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from ..certify import vipr
 from ..mission.errors import CheckError
 from ..mission.files import write_with
 from ..optimise.program import Program, Sense
+from ..optimise.registry import Formulation
 from ..optimise.solution import Solution
+from ..optimise.solve import AUTO, solve_program
+from ..optimise.solvers import Options
 from .certificate import Claim, write
 from .exact import Numbers
 from .prover import TIGHT, Prover
+from .stated import program_of
 from .tree import Limits, leaves
 
+if TYPE_CHECKING:
+    import cvxpy as cp
+
+TIME_LIMIT = 600.0
+"""Seconds."""
+SIZE_LIMIT = 500e6
+"""Bytes."""
 CLAIM_TOLERANCE = 1e-6
 """Relative difference beyond which a proof contradicts a claim: solvers allow themselves as much."""
 READING: dict[Numbers, str] = {
@@ -82,6 +93,63 @@ class Proof:
             bound = "nothing" if self.bound is None else f"{self.bound:.9g}"
             said = f"claimed by {self.claimed_by}; proved up to {bound} ({took}): {self.remark}"
         return f"{said}; CONTRADICTED: {self.contradiction}" if self.contradiction else said
+
+
+def prove(
+    what: str | Path | Formulation | Program | cp.Problem,
+    data: Any = None,
+    *,
+    path: str | Path,
+    solution: Solution | None = None,
+    solver: str = AUTO,
+    time_limit: float | None = TIME_LIMIT,
+    size_limit: float | None = SIZE_LIMIT,
+    **parameters: float,
+) -> Proof:
+    """Prove the optimum of a program, or that it has no solution, in a VIPR 1.0 certificate.
+
+    Parameters
+    ----------
+    what : str, Formulation, path, Program or cvxpy.Problem
+        A formulation by its name or itself, which takes `data`; a file in MPS or LP format; arrays; or
+        any linear (integer) problem of cvxpy.
+    data
+        What the formulation's stage takes, for instance `ClusterData`.
+    path : path
+        Where the certificate goes.
+    solution : Solution, optional
+        What is claimed of the program; by default it is solved first.
+    solver : str
+        By whom.
+    time_limit : float, optional
+        Seconds for the solver, and again for the proof. What is proved by then is written.
+    size_limit : float, optional
+        Bytes of derivations after which the search for a proof stops.
+    **parameters : float
+        The formulation's parameters, for instance ``psi``.
+
+    Raises
+    ------
+    InputError
+        If a name, a file or a parameter is wrong, or the certificate cannot be written.
+    ModelError
+        If it is no linear integer program.
+    SolverError
+        If the solver is missing, or cannot do what is asked.
+    CheckError
+        If the certificate does not pass its check.
+    """
+    program, name = program_of(what, data, **parameters)
+    if solution is None:
+        options = Options(time_limit=time_limit)
+        solution = solve_program(program, solver=solver, options=options)
+    is_file = name.endswith((".mps", ".lp"))
+    return prove_program(
+        program, solution, path,
+        time_limit=time_limit, size_limit=size_limit,
+        numbers=("decimal", "binary") if is_file else ("binary", "simple"),
+        comments=(f"{name}: what {solution.solver} {solution.solver_version} claims",),
+    )  # fmt: skip
 
 
 def prove_program(

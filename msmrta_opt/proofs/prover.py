@@ -11,6 +11,7 @@ from fractions import Fraction
 import numpy as np
 
 from ..arrays import Floats
+from ..interruption import interruptible
 from ..optimise.program import Program
 from ..optimise.scaling import scaling
 from ..optimise.solution import Solution
@@ -23,7 +24,7 @@ from .grid import Grid, grid_of
 from .implied import implied_bounds
 from .multipliers import Bounds
 from .relaxation import Relaxation
-from .tree import FOUND, NODES, Limits, Node, leaves
+from .tree import FOUND, INTERRUPTED, NODES, Limits, Node, leaves
 
 TIGHT = 1e-9
 """Difference, relative to the objective's terms, up to which a bound and a value are the same."""
@@ -160,15 +161,16 @@ class Prover:
         """Search until all is proved, or as far as the limits allow."""
         if self.claim.status == "unbounded":
             return Proved(None, remark="an unbounded program has no optimum to prove")
-        try:
-            remark = self._run()
-        except KeyboardInterrupt:
-            remark = "interrupted"
-        if remark:
-            self._close()
-        elif self.search.unproved:
+        with interruptible():
+            try:
+                remark = self._run()
+            except KeyboardInterrupt:  # a second one
+                remark = INTERRUPTED
+            if remark:
+                self._close()
+        if not remark and self.search.unproved:
             remark = "floating-point relaxations are too coarse for it"
-        elif self.value is None and self.violated is not None:
+        elif not remark and self.value is None and self.violated is not None:
             remark = f"in exact numbers, {self.violated.what} by the claimed solution"
         root: Node | None = self.search.root
         if any(node.leaf is None for node in leaves(self.search.root)):

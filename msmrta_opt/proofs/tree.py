@@ -8,10 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from ..interruption import interrupted
 from .derivation import Leaf
 
 NODES = "node limit"
 """Why a search stops that was to look at so many nodes only."""
+INTERRUPTED = "interrupted"
 FOUND = "a point was found"
 """Why a search stops that was to find any point."""
 
@@ -64,6 +66,8 @@ class Limits:
 
     def reached(self, size: int, nodes: int = 0) -> str:
         """Which of them is reached, in words; empty if none is."""
+        if interrupted():
+            return INTERRUPTED
         if nodes >= self.nodes:
             return NODES
         if time.perf_counter() >= self.deadline:

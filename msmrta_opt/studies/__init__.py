@@ -4,5 +4,6 @@ To be read in this order. What is asked for: `specification` (the study file), `
 `tasks` (what a run does), `runs` (every combination, keyed by what determines its result). Doing it:
 `perform` (one run, to its `record`), `runner` (all of them, here), `cluster` (or on a Dask cluster),
 `preload` (what their processes share), `ledger` (what is kept). `comparison` is formulations × solvers
-without a ledger, and `solves` its table. What records say is in `analysis`, a study's page in `report`.
+without a ledger, `solves` its table, `proving` holds it against proofs. What records
+say is in `analysis`, a study's page in `report`.
 """

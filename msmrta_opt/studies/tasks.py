@@ -118,12 +118,6 @@ class Solving:
         if reason := self._cannot():
             return {"outcome": SKIPPED, "error": reason}
         data = stage_data(instance, self.stage, self.options)
-        given: dict[str, Any] = {
-            name: getattr(self.options, name)
-            for name in formulation.spec.parameters
-            if hasattr(self.options, name)
-        }
-        given |= {k: v for k, v in self.parameters.items() if k in formulation.spec.parameters}
         able = self.solver == AUTO or "time_limit" in solvers.get(self.solver).abilities
         began = time.perf_counter()
         try:
@@ -135,11 +129,17 @@ class Solving:
                 seed=self.seed,
                 time_limit=self.time_limit if able else None,
                 gap=self.gap,
-                **given,
+                **self.values_for(formulation),
             )
         except UnsupportedError as error:
             return {"outcome": SKIPPED, "error": str(error)}
         return _solved(solution, time.perf_counter() - began)
+
+    def values_for(self, formulation: registry.Formulation) -> dict[str, Any]:
+        """The values of the formulation's parameters: those given, or of options of the same name."""
+        known = formulation.spec.parameters
+        given = {name: getattr(self.options, name) for name in known if hasattr(self.options, name)}
+        return given | {k: v for k, v in self.parameters.items() if k in known}
 
     def _cannot(self) -> str:
         if self.solver == AUTO:

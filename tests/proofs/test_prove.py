@@ -119,7 +119,7 @@ def test_a_mixed_program_is_proved_by_hand(tmp_path: Path) -> None:
     assert proof.status == "proved"
     assert proof.exact_value == proof.exact_bound == Fraction(9, 2)
     found = vipr.verify(proof.path)
-    assert found.claim == "maximum in [9/2, 9/2]"
+    assert found.claim == "maximum in [9/2, 9/2] (about 4.5)"
     assert found.names == ["x[0]", "x[1]"]
     assert found.integer == {0}
 
