@@ -167,7 +167,7 @@ class Worker:
         """The exit status of the process, which is ending."""
         wait([self._process.sentinel], 5)
         with _processes:
-            self._process.join(0)
+            self._process.join(5)
             code: int | None = self._process.exitcode
         return code
 

@@ -195,6 +195,7 @@ def _asks_too_much(program: Program, ray: list[Fraction]) -> bool:
     matrix = program.matrix
     whole, _ = kinds_of_rows(program)
     weight: dict[int, Fraction] = {}
+    rounded: dict[int, Fraction] = {}
     spare, loose = Fraction(0), Fraction(0)
     for i in [i for i, share in enumerate(ray) if share]:
         side = (program.row_lower if ray[i] > 0 else program.row_upper)[i]
@@ -205,13 +206,17 @@ def _asks_too_much(program: Program, ray: list[Fraction]) -> bool:
             loose += abs(ray[i]) * abs(Fraction(float(side)))
         for k in range(matrix.indptr[i], matrix.indptr[i + 1]):
             j = int(matrix.indices[k])
-            weight[j] = weight.get(j, Fraction(0)) + ray[i] * Fraction(float(matrix.data[k]))
+            term = ray[i] * Fraction(float(matrix.data[k]))
+            weight[j] = weight.get(j, Fraction(0)) + term
+            if not whole[i]:
+                rounded[j] = rounded.get(j, Fraction(0)) + abs(term)
     for j, total in weight.items():
         if total:
             end = (program.upper if total > 0 else program.lower)[j]
-            if not np.isfinite(end):
+            if np.isfinite(end):
+                spare -= total * Fraction(float(end))
+            elif abs(total) > rounded.get(j, Fraction(0)) * Fraction(ROUNDING):
                 return False
-            spare -= total * Fraction(float(end))
     return spare > loose * Fraction(ROUNDING)
 
 

@@ -102,7 +102,8 @@ def test_a_robot_that_the_plan_leaves_out_stays_at_home(instances_dir: Path) -> 
 def plan_beyond_limits() -> tuple[Plan, RoutingData, str]:
     plan = planned("ssi")
     limits = {"longest_walk": max(plan.metrics.distance_of.values()) - 1}
-    tight = plan.model_copy(update={"options": {**plan.options, **limits}})
+    options = {**plan.options, **limits}
+    tight = plan.model_copy(update={"options": options, "promises": tuple(limits)})
     return plan, problem_of(tight), "joint_routing_flow"
 
 

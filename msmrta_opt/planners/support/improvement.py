@@ -12,6 +12,7 @@ from ...routing.heuristics.ruin_and_recreate import ruin_and_recreate
 from ...routing.objectives import DEFAULT, objective_of
 from ...routing.parameters import Parameters
 from ...routing.problem import Routes
+from ...routing.scaling import in_convenient_units
 from ...routing.stop import (
     AnyOf,
     Interruption,
@@ -71,7 +72,8 @@ def improve_plan(
     known = plan.known
     with interruptible(), watch("improvement"):
         situation = Situation.of(known)
-        data = routing_data(situation)
+        routes = routes_of(plan)
+        data = in_convenient_units(routing_data(situation), aim, routes)
         limits: list[StoppingCriterion] = []
         if seconds is not None:
             limits.append(MaximumRuntime(seconds))
@@ -81,19 +83,19 @@ def improve_plan(
             limits.append(MaximumIterations(tuned.heuristics.default_iterations))
         found = ruin_and_recreate(
             data,
-            routes_of(plan),
+            routes,
             aim,
             stop=AnyOf(*limits, Interruption(interrupted)),
             seed=seed,
             parameters=tuned.heuristics,
         )
-        routes = path_planning(known, stops_of(situation, found, STAGE))
+        walks = path_planning(known, stops_of(situation, found, STAGE))
     spent = seconds if seconds is not None else iterations
     options = {**plan.options, "improve": True if spent is None else spent, "objective": aim.name}
     if changed := tuned.changed():
         options["parameters"] = changed
     changes: dict[str, Any] = {
-        "routes": routes,
+        "routes": walks,
         "options": options,
         "planning_seconds": {**plan.planning_seconds, **watch.seconds},
     }

@@ -10,6 +10,7 @@ It may be stopped at any moment.
 
 from __future__ import annotations
 
+from ...mission.errors import InputError
 from ..bound import Bound
 from ..incumbent import Progress
 from ..parameters import Parameters
@@ -45,6 +46,11 @@ def branch_and_cut(
     SolverError
         If a bound exceeds the value of feasible routes: a bug, never to be passed over.
     """
+    if progress.objective.method != "branch and cut":
+        raise InputError(
+            f"{progress.objective.name!r} is solved by {progress.objective.method}",
+            field="objective",
+        )
     return _close_in(progress, seed, parameters or Parameters(), whole=True)
 
 
