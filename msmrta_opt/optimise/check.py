@@ -79,6 +79,8 @@ def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
 def largest_violation(program: Program, x: Floats) -> float:
     """The largest share of its terms by which a row is missed at `x`; 0 if none is."""
     missed, _ = row_misses(program, x)
+    if (missed <= 0).all():
+        return 0.0
     terms = np.abs(program.matrix) @ np.abs(x)
     share = np.divide(missed, terms, out=np.zeros_like(missed), where=(missed > 0) & (terms > 0))
     return float(share.max(initial=0.0))

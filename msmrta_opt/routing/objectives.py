@@ -67,6 +67,17 @@ class Objective:
         """What 1 of its values is in the mission's own units, for `data` in others."""
         return data.time_unit * (data.priority_unit if self.weighted else 1.0)
 
+    def require(self, method: Method) -> None:
+        """Refuse to be solved by another method than its own.
+
+        Raises
+        ------
+        InputError
+            If `method` is not what solves it.
+        """
+        if self.method != method:
+            raise InputError(f"{self.name!r} is solved by {self.method}", field="objective")
+
     def of_plan(self, metrics: Metrics) -> float:
         """What a plan with these metrics is worth, in `unit`."""
         return float(getattr(metrics, self.name))

@@ -19,7 +19,6 @@ from typing import Self
 import numpy as np
 
 from ...arrays import Bools, Floats, Ints
-from ...mission.errors import InputError
 from ...optimise.program import Block
 from ..objective_step import ROUNDING, objective_step
 from ..objectives import Objective, objective_of
@@ -75,10 +74,7 @@ class EdgeVariables:
             If it does not state the objective.
         """
         objective = objective_of(objective)
-        if objective.method != "branch and cut":
-            raise InputError(
-                f"{objective.name!r} is solved by {objective.method}", field="objective"
-            )
+        objective.require("branch and cut")
         pairs = np.argwhere(data.can_visit)
         loads = objective.only_last or bool(np.isfinite(data.endurance).any())
         services = np.empty((0, 2), dtype=np.int64)
