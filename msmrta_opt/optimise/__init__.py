@@ -6,7 +6,8 @@ Reading order:
 - `registry`: the model files, found by name.
 - `compile`: a formulation on data as a `program`, all in arrays, named in ids.
 - `structure`, `assignment`: what the matrix proves, and what that spares.
-- `solve`, `solvers`, `solution`, `check`: solving, and checking apart from the solver.
+- `solve`, `by_structure`, `solvers`, `solution`: solving, as the matrix decides or by name.
+- `check`, `verify`, `settle`, `contradiction`: checking, and what is believed of a solver.
 - `explain`: why a program is infeasible. `export`: programs as files.
 - `parametric`, `frontier`: all values of a weight at once, and what no weight reaches.
 """

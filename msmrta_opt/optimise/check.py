@@ -19,6 +19,8 @@ TOLERANCE = 1e-6
 """How far a row with continuous columns or a bound may be missed, relative to the size of its terms."""
 ROUNDING = 1e-12
 """The same of a row on whole-number columns: what its decimals may be off by."""
+TIGHT = 1e-9
+"""Difference up to which a bound equals the objective, relative to it or to the unit of `scaling`."""
 WIDE = 1e7
 """Ratio of numbers in one row from which tolerances of solvers hide the smaller."""
 LARGEST_EXACT = 2.0**53

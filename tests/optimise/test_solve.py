@@ -272,7 +272,7 @@ def test_an_assignment_that_its_prices_do_not_prove_is_solved_otherwise(
     def nobody(program: Program, _: object) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(program.n_columns), np.zeros(program.n_rows)
 
-    monkeypatch.setattr("msmrta_opt.optimise.solve.solve_assignment", nobody)
+    monkeypatch.setattr("msmrta_opt.optimise.by_structure.solve_assignment", nobody)
     solution = solve("cluster_one_to_one", cluster_data(), psi=0)
     assert_solved_right(solution, 6)
     assert "simplex" in solution.proof

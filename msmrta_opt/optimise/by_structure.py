@@ -1,0 +1,68 @@
+"""The solver ``auto``: the matrix decides how a program is solved.
+
+A program proven to be an assignment goes to an assignment algorithm, one proven totally unimodular to
+the simplex method; any other is relaxed first, and goes to HiGHS' branch and bound only if the
+relaxation's vertex is not integral.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from ..arrays import Floats
+from .assignment import solve_assignment
+from .check import TIGHT, dual_bound, settled, violations
+from .program import Program
+from .scaling import scaling
+from .solvers import Options, Outcome, get
+from .structure import Structure, integral_relaxation
+
+BY_MATRIX = ("assignment algorithm", "simplex", "integral vertex")
+"""How a matrix is told to be solved without branching, by duality."""
+
+
+def solve_by_structure(
+    program: Program, options: Options, recognised: Callable[[], Structure | None]
+) -> tuple[str, Outcome]:
+    """The name of the solver that answered, and what it said.
+
+    `recognised` tells the structure of the program's matrix.
+    """
+    highs = get("highs")
+    if not program.integer.any():
+        return highs.name, highs.solve(program, replace(options, start=None))
+    began = time.perf_counter()
+    structure = recognised()
+    if structure is not None:
+        relaxed = integral_relaxation(program, structure)
+        answer = solve_assignment(program, structure)
+        if answer is not None:
+            x, duals = answer
+            bound = dual_bound(relaxed, duals)
+            if _is_tight(program, x, bound):
+                proof = f"{structure.description}; assignment algorithm, dual values"
+                return "lsa", Outcome("optimal", x, bound, duals=duals, proof=proof)
+        proof = f"{structure.description}; simplex, dual values"
+    else:
+        relaxed = program.relaxed()
+        proof = "integral vertex of the relaxation, dual values"
+    outcome = highs.solve(relaxed, replace(options, start=None, gap=None))
+    if outcome.status == "optimal" and outcome.x is not None:
+        x = settled(program, outcome.x)
+        if not violations(program, x):
+            proven = None if outcome.duals is None else dual_bound(relaxed, outcome.duals)
+            if proven is not None and _is_tight(program, x, proven):
+                return highs.name, replace(outcome, x=x, bound=proven, proof=proof)
+    if outcome.status == "infeasible":
+        return highs.name, replace(outcome, message="the relaxation is infeasible")
+    if options.time_limit is not None:
+        left = max(options.time_limit - (time.perf_counter() - began), 0.0)
+        options = replace(options, time_limit=left)
+    return highs.name, highs.solve(program, options)
+
+
+def _is_tight(program: Program, x: Floats, bound: float) -> bool:
+    value = program.value(x) - program.offset
+    return abs(value + program.offset - bound) <= TIGHT * max(scaling(program).unit, abs(value))

@@ -1,0 +1,215 @@
+"""What is believed of a solver's claim.
+
+Solvers certify falsehoods now and then. Few points are all looked at; an infeasibility needs Farkas
+multipliers or a second opinion, and so does an optimum of numbers of very different size. What a checked
+point refutes is a contradiction, and is shown as one.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import Floats
+from ..mission.errors import SolverError
+from .by_structure import BY_MATRIX
+from .check import is_badly_scaled, proves_infeasible, settled, violations
+from .contradiction import BY_HAND
+from .program import Program
+from .scaling import scaled, scaling
+from .settle import Settled, settle
+from .solvers import Options, Outcome, get, solvers
+from .solvers.highs import infeasible_ray
+
+PROVED = ("optimal", "feasible", "infeasible", "claimed")
+"""Statuses of which an outcome may say how they are proved."""
+
+
+@dataclass(frozen=True)
+class Verifier:
+    """A program, the same with tight big-Ms, and what was asked of it and when."""
+
+    program: Program
+    tight: Program
+    options: Options
+    began: float
+
+    def settled(self) -> Outcome | None:
+        """The outcome by looking at all points; ``None`` if they are not few."""
+        truth = settle(self.program)
+        return None if truth is None else self._as_settled(truth, "")
+
+    def believed(self, name: str, outcome: Outcome, *, own: bool) -> tuple[str, Outcome]:
+        """Who is believed, and what.
+
+        Parameters
+        ----------
+        name : str
+            The solver.
+        outcome : Outcome
+            What it claims of `tight`.
+        own : bool
+            Whether the solver was chosen here, so that another may answer in its place.
+        """
+        outcome = self._repaired(outcome)
+        if outcome.status in ("error", "skipped", "no_solution") and not own:
+            return name, outcome
+        if outcome.proof == BY_HAND and outcome.status in PROVED:
+            return name, outcome
+        by_duality = outcome.status == "optimal" and any(w in outcome.proof for w in BY_MATRIX)
+        if by_duality and self.program.integer.all() and self._holds(outcome.x):
+            return name, outcome
+        truth = settle(self.program)
+        if truth is not None:
+            return name, self._against(truth, name, outcome, own=own)
+        if outcome.status == "infeasible":
+            return self._certified(name, outcome, own=own)
+        if own and outcome.status == "optimal" and is_badly_scaled(self.tight):
+            return self._agreed(name, outcome)
+        return name, outcome
+
+    def _left(self, atleast: float = 0.0) -> Options:
+        left = self.options.time_limit
+        if left is not None:
+            left = max(left - (time.perf_counter() - self.began), atleast)
+        return replace(self.options, time_limit=left, start=None)
+
+    def _holds(self, x: Floats | None) -> bool:
+        return x is not None and not violations(self.program, settled(self.program, x))
+
+    def _repaired(self, outcome: Outcome) -> Outcome:
+        """The outcome with integers made whole, and then what is continuous solved again."""
+        program = self.program
+        if outcome.x is None or outcome.status not in ("optimal", "feasible"):
+            return outcome
+        if program.integer.all() or not program.integer.any() or self._holds(outcome.x):
+            return outcome
+        whole = np.where(program.integer, np.round(outcome.x), 0.0)
+        fixed = replace(
+            program.relaxed(),
+            lower=np.where(program.integer, whole, program.lower),
+            upper=np.where(program.integer, whole, program.upper),
+        )
+        again = get("highs").solve(fixed, self._left())
+        if not self._holds(again.x):
+            return outcome
+        # The bound may still be the solver's own; whether it proves this point is for the check.
+        return replace(outcome, x=again.x)
+
+    def _as_settled(self, truth: Settled, message: str) -> Outcome:
+        if truth.x is None:
+            return Outcome(
+                "infeasible", proof=truth.proof, message=message or "no point is feasible"
+            )
+        value = self.program.value(truth.x)
+        return Outcome("optimal", truth.x, value, proof=truth.proof, message=message)
+
+    def _against(self, truth: Settled, name: str, outcome: Outcome, *, own: bool) -> Outcome:
+        """The outcome, if it agrees with what all points say."""
+        right = self._as_settled(truth, "")
+        unit = 1e-9 * max(
+            scaling(self.program).unit, abs((right.bound or 0.0) - self.program.offset)
+        )
+        wrong = ""
+        if outcome.status in ("optimal", "feasible"):
+            holds = self._holds(outcome.x)
+            if not (holds or own):
+                return outcome  # the check names what is wrong with it
+            value = None
+            if holds and outcome.x is not None:
+                value = self.program.value(settled(self.program, outcome.x))
+            if not holds:
+                wrong = f"{name} gives a point that is not feasible"
+            elif truth.x is None or value is None or right.bound is None:
+                wrong = f"{name} calls an infeasible program {outcome.status}"
+            else:
+                bound = value if outcome.bound is None else outcome.bound
+                if self.program.sign * (bound - value) > 1e3 * unit:
+                    return self._as_settled(truth, "bound against value") if own else outcome
+                if abs(bound - value) <= 1e3 * unit and abs(value - right.bound) > unit:
+                    wrong = f"{name} calls {value:g} optimal, where {right.bound:g} is feasible"
+                elif self.program.sign * (bound - right.bound) > 1e3 * unit:
+                    wrong = f"the bound {bound:g} of {name} is beyond {right.bound:g}"
+        elif outcome.status == "infeasible" and truth.x is not None:
+            wrong = f"{name} calls a feasible program infeasible"
+        elif outcome.status in ("unbounded", "error"):
+            wrong = f"{name}: {outcome.message or outcome.status}"
+        if own and wrong:
+            return replace(right, message=wrong, nodes=outcome.nodes)
+        if wrong:
+            return Outcome("contradicted", message=f"{wrong}; {truth.proof} were looked at")
+        if outcome.status in ("optimal", "infeasible"):
+            return replace(
+                outcome, bound=right.bound, proof=f"{outcome.proof}; {truth.proof}".strip("; ")
+            )
+        return outcome
+
+    def _certified(self, name: str, outcome: Outcome, *, own: bool) -> tuple[str, Outcome]:
+        """An infeasibility with its certificate, or what contradicts it."""
+        factors = scaling(self.tight)
+        ray = infeasible_ray(scaled(self.tight, factors), self._left())
+        ray = np.zeros(self.tight.n_rows) if ray is None else ray * factors.row
+        if proves_infeasible(self.tight, ray):
+            return name, replace(
+                outcome, proof="Farkas multipliers of the relaxation, in fractions"
+            )
+        asked = [(name, replace(self._left(), presolve=False))] if name == "highs" else []
+        asked += [(other, self._left()) for other in _others(name, self.program)]
+        agree = []
+        for other, options in asked:
+            try:
+                second = self._repaired(get(other).solve(self.tight, options))
+            except SolverError:
+                continue
+            if self._holds(second.x):
+                said = f"{name} calls it infeasible, but {other} has a feasible point"
+                if own or other == name:
+                    return other, replace(second, message=said)
+                return name, Outcome("contradicted", message=said)
+            if second.status == "infeasible":
+                agree.append(f"{other} without presolve" if other == name else other)
+            if agree and agree[-1] != f"{name} without presolve":
+                break
+        if agree:
+            return name, replace(outcome, proof=f"{name}, and {' and '.join(agree)}")
+        return name, Outcome("no_solution", message=f"{name} alone claims that it is infeasible")
+
+    def _agreed(self, name: str, outcome: Outcome) -> tuple[str, Outcome]:
+        """An optimum of numbers of very different size, with a second solver's opinion."""
+        if outcome.x is None or outcome.bound is None:
+            return name, outcome
+        value, sign = self.program.value(settled(self.program, outcome.x)), self.program.sign
+        slack = 1e-6 * max(scaling(self.program).unit, abs(value - self.program.offset))
+        limit = max(10.0, 10 * (time.perf_counter() - self.began))
+        for other in _others(name, self.program):
+            options = self._left()
+            options = replace(options, time_limit=min(options.time_limit or limit, limit))
+            try:
+                second = self._repaired(get(other).solve(self.tight, options))
+            except SolverError:
+                continue
+            if not self._holds(second.x) or second.x is None or second.status != "optimal":
+                continue
+            theirs = self.program.value(settled(self.program, second.x))
+            if abs(theirs - value) <= slack:
+                return name, replace(outcome, proof=f"{outcome.proof}; {other} agrees")
+            said = f"{name} claims {value:g}, {other} {theirs:g}"
+            if sign * (theirs - value) < 0:
+                return other, replace(second, status="claimed", message=said)
+            return name, replace(outcome, status="claimed", message=said)
+        said = "claimed by one solver: coefficients of very different size"
+        return name, replace(outcome, status="claimed", message=said)
+
+
+def _others(name: str, program: Program) -> list[str]:
+    """Installed solvers for a second opinion on `program`, the free ones first."""
+    return [
+        other
+        for other, solver in solvers().items()
+        if other not in (name, "lsa")
+        and solver.installed
+        and (program.integer.all() or "lp" in solver.abilities)
+        and "time_limit" in solver.abilities
+    ]
