@@ -21,8 +21,8 @@ from ..mission.errors import InputError
 from ..mission.grid import Cell, GridMap
 from ..mission.instance import Instance
 from ..mission.plan import Find, ScoutingReport, Track
+from ..mission.visibility import FieldOfView
 from .options import StagedOptions
-from .visibility import FieldOfView
 from .walks import WALKS, Ground
 
 STOPS = ("covered_or_found", "covered")

@@ -17,9 +17,9 @@ from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance, Scout
 from msmrta_opt.mission.plan import Plan
+from msmrta_opt.mission.visibility import FieldOfView
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.stages.scouting import scouting
-from msmrta_opt.stages.visibility import FieldOfView
 
 Document = dict[str, Any]
 

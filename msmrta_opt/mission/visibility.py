@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mission.grid import Cell, GridMap
+from .grid import Cell, GridMap
 
 
 class FieldOfView:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from msmrta_opt.mission.grid import Cell, GridMap
 from msmrta_opt.mission.maps import grid_from_rows
-from msmrta_opt.stages.visibility import FieldOfView
+from msmrta_opt.mission.visibility import FieldOfView
 
 HALF = Fraction(1, 2)
 
