@@ -61,7 +61,7 @@ def _read(program: Program, structure: Structure) -> _Assignment | None:
     core, side, pairs = structure.core, structure.side, structure.pairs
     if side is None or pairs is None or not _is_binary(core.lower, core.upper):
         return None
-    if len(pairs) < len(core.columns) or core.matrix.data.min(initial=1) < 0:
+    if len(pairs) < len(core.columns) or structure.has_negative:
         return None
     cardinality = np.flatnonzero(side == 2)
     if len(cardinality) > 1:

@@ -7,6 +7,7 @@ with continuous columns by what solvers allow themselves, each relative to the s
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -44,6 +45,26 @@ def settled(program: Program, x: Floats) -> Floats:
     return x
 
 
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A point that was looked at, with what is only rounding taken out."""
+
+    x: Floats
+    wrong: list[str]
+    """What is wrong with it, worst first."""
+    violation: float
+    """The largest share of its terms by which a row is missed."""
+
+    @classmethod
+    def of(cls, program: Program, x: Floats) -> Point:
+        """`x`, looked at as a solution of `program`."""
+        x = settled(program, x)
+        if x.shape != (program.n_columns,) or not np.isfinite(x).all():
+            return cls(x, violations(program, x), np.inf)
+        missed, allowed = row_misses(program, x)
+        return cls(x, _violations(program, x, missed, allowed, 3), _share(program, x, missed))
+
+
 def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
     """What is wrong with `x` as a solution of `program`, worst first; empty if nothing is.
 
@@ -58,8 +79,13 @@ def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
     """
     if x.shape != (program.n_columns,) or not np.isfinite(x).all():
         return [f"the point has shape {x.shape} or values that are not finite"]
+    return _violations(program, x, *row_misses(program, x), most)
+
+
+def _violations(
+    program: Program, x: Floats, missed: Floats, allowed: Floats, most: int
+) -> list[str]:
     found: list[tuple[float, str]] = []
-    missed, allowed = row_misses(program, x)
     wrong = ~(missed <= allowed)
     found.extend(
         (float(missed[i]), f"row '{program.row_name(int(i))}' is missed by {missed[i]:.2g}")
@@ -78,9 +104,8 @@ def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
     return [text for _, text in sorted(found, key=lambda item: -item[0])[:most]]
 
 
-def largest_violation(program: Program, x: Floats) -> float:
+def _share(program: Program, x: Floats, missed: Floats) -> float:
     """The largest share of its terms by which a row is missed at `x`; 0 if none is."""
-    missed, _ = row_misses(program, x)
     if (missed <= 0).all():
         return 0.0
     terms = np.abs(program.matrix) @ np.abs(x)
@@ -157,6 +182,8 @@ def _missed_in_integers(program: Program, x: Floats, row: int) -> float:
 
 def _worst(missed: Floats, wrong: Bools, most: int) -> list[int]:
     """Positions of what is wrong, or not a number, worst first."""
+    if not wrong.any():
+        return []
     places = np.flatnonzero(wrong)
     by_how_much = np.where(np.isnan(missed[places]), np.inf, missed[places])
     return [int(i) for i in places[np.argsort(-by_how_much, kind="stable")][:most]]

@@ -17,9 +17,9 @@ def contradiction(program: Program) -> str:
 
     Solvers differ in what they make of these.
     """
-    empty = np.diff(program.matrix.tocsr().indptr) == 0
-    asks = np.maximum(program.row_lower, -program.row_upper) > ROUNDING
-    for i in np.flatnonzero(empty & asks):
+    empty = np.flatnonzero(np.diff(program.matrix.tocsr().indptr) == 0)
+    asks = np.maximum(program.row_lower[empty], -program.row_upper[empty]) > ROUNDING
+    for i in empty[asks]:
         return f"row '{program.row_name(int(i))}' holds no variable and is not satisfied"
     for i in np.flatnonzero(_cross(program.row_lower, program.row_upper)):
         return f"the sides of row '{program.row_name(int(i))}' cross"

@@ -18,6 +18,7 @@ from keyword import iskeyword
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from .. import formulations
 from ..mission.errors import InputError, ModelError
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     import cvxpy as cp
 
 ENVIRONMENT = "MSMRTA_MODELS"
+_read: WeakKeyDictionary[ModuleType, Formulation] = WeakKeyDictionary()
+"""The formulations of the modules that are loaded."""
 
 
 @dataclass(frozen=True)
@@ -242,10 +245,11 @@ def _load(path: Path) -> Listing:
             error=_one_line(error, path),
             details="".join(traceback.format_exception(error)),
         )
-    mathematics = inspect.cleandoc(module.__doc__ or "")
-    return Listing(
-        path.stem, path, formulation=Formulation(path.stem, path, spec, mathematics, build)
-    )
+    read = _read.get(module)
+    if read is None or (read.path, read.spec, read.build) != (path, spec, build):
+        mathematics = inspect.cleandoc(module.__doc__ or "")
+        read = _read[module] = Formulation(path.stem, path, spec, mathematics, build)
+    return Listing(path.stem, path, formulation=read)
 
 
 def _one_line(error: BaseException, path: Path) -> str:

@@ -18,7 +18,7 @@ from ..arrays import Floats
 from ..interruption import interruptible
 from ..mission.errors import InputError, UnsupportedError
 from .by_structure import BY_MATRIX, solve_by_structure
-from .check import ROUNDING, TIGHT, TOLERANCE, dual_bound, largest_violation, settled, violations
+from .check import ROUNDING, TIGHT, TOLERANCE, Point, dual_bound, settled, violations
 from .compile import compile_for, parameter_values
 from .contradiction import BY_HAND, contradiction
 from .program import Program
@@ -122,13 +122,14 @@ def solve_program(
     program = program.with_whole_bounds()
     name = "highs" if solver == AUTO else solver
     wrong = contradiction(program)
+    tight = program if wrong else program.with_tight_coefficients()
+    verifier = Verifier(program, tight, options, began)
     with interruptible():
         if wrong:
             get(name)
             outcome = Outcome("infeasible", proof=BY_HAND, message=wrong)
         else:
-            verifier = Verifier(program, program.with_tight_coefficients(), options, began)
-            known = recognised if verifier.tight is program else None
+            known = recognised if tight is program else None
             name, outcome = _asked(verifier, solver, structure, known)
     solution = Solution(
         formulation="",
@@ -158,7 +159,7 @@ def solve_program(
         solution = _with_duals(solution, program, outcome.duals)
     if outcome.x is None or outcome.status not in ("optimal", "feasible", "claimed"):
         return solution
-    return _checked(solution, program, outcome.x)
+    return _checked(solution, program, verifier.look_at(outcome.x))
 
 
 def _asked(
@@ -206,12 +207,11 @@ def _with_duals(solution: Solution, program: Program, duals: Floats) -> Solution
     return replace(solution, duals=named, bound=bound if np.isfinite(bound) else None)
 
 
-def _checked(solution: Solution, program: Program, x: Floats) -> Solution:
+def _checked(solution: Solution, program: Program, point: Point) -> Solution:
     """The solution with its incumbent, if it passes the independent check."""
-    x = settled(program, x)
-    wrong = violations(program, x)
-    if wrong:
-        return _failed(solution, wrong[0])
+    x = point.x
+    if point.wrong:
+        return _failed(solution, point.wrong[0])
     objective = program.value(x)
     bound, size = solution.bound, max(scaling(program).unit, abs(objective - program.offset))
     if bound is not None:
@@ -229,7 +229,7 @@ def _checked(solution: Solution, program: Program, x: Floats) -> Solution:
         bound=bound,
         values=program.shaped(x),
         check="passed",
-        violation=largest_violation(program, x),
+        violation=point.violation,
     )
 
 

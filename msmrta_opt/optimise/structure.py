@@ -19,6 +19,7 @@ this is asked.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -54,6 +55,8 @@ class Structure:
     core: Core
     side: Ints | None = None
     pairs: Ints | None = None
+    has_negative: bool = False
+    """For *bipartite*: whether some row is written with the other sign."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,35 +68,99 @@ class Core:
 
     rows: Ints
     columns: Ints
-    matrix: csr_array
     row_lower: Floats
     row_upper: Floats
     lower: Floats
     upper: Floats
     fixed: Floats
     """Values of all the program's columns; those of the core are 0."""
+    whole: csr_array
+    """The program's matrix, without zeros."""
+
+    @cached_property
+    def matrix(self) -> csr_array:
+        """The core's own."""
+        inner = self.whole
+        if len(self.columns) < inner.shape[1]:
+            inner = inner[:, self.columns].tocsr()
+        return inner[self.rows] if len(self.rows) < inner.shape[0] else inner
 
 
-def recognise(program: Program) -> Structure | None:
-    """The structure that proves `program` integral, or ``None`` if none is recognised."""
-    core = _core(program)
+@dataclass(frozen=True, eq=False)
+class _Sides:
+    """How the rows of a matrix, of ±1, are *bipartite*."""
+
+    side: Ints
+    """0 and 1 for rows of the two kinds, 2 for rows with every column, ``(n_rows,)``."""
+    pairs: Ints
+    """The row of either kind of each column, -1 where it has not both, ``(n_columns, 2)``."""
+    has_negative: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What a matrix says of every program with it, whatever the bounds are."""
+
+    given: csr_array
+    matrix: csr_array
+    """The same without zeros."""
+    entries: Ints
+    """Number of entries of each row."""
+    row: Ints
+    """The row of each entry."""
+    sides: _Sides | None
+    """How its rows but for those of a single entry are bipartite, whichever columns are fixed."""
+
+    @classmethod
+    def of(cls, given: csr_array) -> Frame:
+        """That of a matrix."""
+        matrix = given
+        if not given.data.all():
+            matrix = given.copy()
+            matrix.eliminate_zeros()
+        entries = np.diff(matrix.indptr)
+        several = np.flatnonzero(entries != 1)
+        inner = matrix[several] if len(several) < len(entries) else matrix
+        sides = None if np.any(np.abs(inner.data) != 1) else _sides(inner)
+        if sides is not None and len(several) < len(entries):
+            side = np.zeros(len(entries), np.int64)
+            side[several] = sides.side
+            pairs = np.append(several, -1)[sides.pairs]
+            sides = _Sides(side, pairs, sides.has_negative)
+        return cls(given, matrix, entries, np.repeat(np.arange(len(entries)), entries), sides)
+
+
+def recognise(program: Program, frame: Frame | None = None) -> Structure | None:
+    """The structure that proves `program` integral, or ``None`` if none is recognised.
+
+    `frame` is that of its matrix, where it is known.
+    """
+    frame = frame or Frame.of(program.matrix)
+    core = _core(program, frame)
     if core is None:
         return None
     ends = np.concatenate([core.row_lower, core.row_upper, core.lower, core.upper])
     finite = ends[np.isfinite(ends)]
-    if np.any(finite != np.round(finite)) or np.any(np.abs(core.matrix.data) != 1):
+    if np.any(finite != np.round(finite)):
         return None
-    return _bipartite(core) or _network(core) or _interval(core)
+    if frame.sides is not None:
+        return _bipartite(core, frame.sides)
+    if np.any(np.abs(core.matrix.data) != 1):
+        return None
+    own = _sides(core.matrix)
+    if own is not None:
+        pairs = own.pairs[(own.pairs >= 0).all(axis=1)]
+        return _as_bipartite(core, own.side, pairs, own.has_negative)
+    return _network(core) or _interval(core)
 
 
-def _core(program: Program) -> Core | None:
+def _core(program: Program, frame: Frame) -> Core | None:
     """The program without single-entry rows and fixed columns; ``None`` if that shows a conflict."""
-    matrix = program.matrix.copy()
-    matrix.eliminate_zeros()
-    lower, upper = program.lower.copy(), program.upper.copy()
-    entries = np.diff(matrix.indptr)
+    matrix, entries = frame.matrix, frame.entries
+    lower, upper = program.lower, program.upper
     single = np.flatnonzero(entries == 1)
     if single.size:
+        lower, upper = lower.copy(), upper.copy()
         at = matrix.indptr[single]
         column, factor = matrix.indices[at], matrix.data[at]
         ends = np.stack([program.row_lower[single] / factor, program.row_upper[single] / factor])
@@ -107,50 +174,66 @@ def _core(program: Program) -> Core | None:
     is_fixed = lower == upper
     fixed = np.where(is_fixed, lower, 0.0)
     columns = np.flatnonzero(~is_fixed)
-    shift = matrix @ fixed
-    inner = matrix[:, columns].tocsr() if is_fixed.any() else matrix
-    decided = np.diff(inner.indptr) == 0
+    shift = matrix @ fixed if fixed.any() else np.zeros(len(entries))
+    left = entries
+    if is_fixed.any():
+        left = np.bincount(frame.row[~is_fixed[matrix.indices]], minlength=len(entries))
+    decided = left == 0
     missed = np.maximum(program.row_lower - shift, shift - program.row_upper)
     if np.any(missed[decided] > 1e-9):
         return None
     rows = np.flatnonzero((entries != 1) & ~decided)
-    inner = inner[rows] if len(rows) < matrix.shape[0] else inner
     return Core(
         rows,
         columns,
-        inner,
         program.row_lower[rows] - shift[rows],
         program.row_upper[rows] - shift[rows],
         lower[columns],
         upper[columns],
         fixed,
+        matrix,
     )
 
 
-def _bipartite(core: Core) -> Structure | None:
-    matrix = core.matrix
+def _bipartite(core: Core, sides: _Sides) -> Structure:
+    """The core of a matrix with bipartite rows; to leave out rows and columns changes nothing."""
+    pairs = sides.pairs[core.columns]
+    place = np.zeros(len(sides.side), np.int64)
+    place[core.rows] = np.arange(len(core.rows))
+    pairs = place[pairs[(pairs >= 0).all(axis=1)]]
+    return _as_bipartite(core, sides.side[core.rows], pairs, sides.has_negative)
+
+
+def _as_bipartite(core: Core, side: Ints, pairs: Ints, has_negative: bool) -> Structure:
+    what = "bipartite assignment rows" if len(pairs) else "semi-assignment rows"
+    if (side == 2).any():
+        what += " and a cardinality"
+    return Structure("bipartite", f"{what}: totally unimodular", core, side, pairs, has_negative)
+
+
+def _sides(matrix: csr_array) -> _Sides | None:
+    """How the rows of `matrix`, all of whose entries are ±1, are bipartite, if they are."""
     n_rows, n_columns = matrix.shape
     entries = np.diff(matrix.indptr)
     # A row may be written with the other sign throughout; only mixed signs are another matter.
-    if np.any(np.abs(matrix @ np.ones(n_columns)) != entries):
+    has_negative = bool(matrix.data.min(initial=1) < 0)
+    if has_negative and np.any(np.abs(matrix @ np.ones(n_columns)) != entries):
         return None
     everything = entries == n_columns
     pairs = _pairs(matrix, ~everything)
     if pairs is None:
         return None
-    side = _two_colours(n_rows, pairs[:, 0], pairs[:, 1], np.ones(len(pairs), dtype=bool))
+    has_both = pairs[:, 1] >= 0
+    both = pairs[has_both]
+    side = _two_colours(n_rows, both[:, 0], both[:, 1], np.ones(len(both), dtype=bool))
     if side is None:
         return None
-    what = "bipartite assignment rows" if len(pairs) else "semi-assignment rows"
-    if everything.any():
-        what += " and a cardinality"
-    of_first = side[pairs[:, :1]] == 0
-    pairs, side = np.where(of_first, pairs, pairs[:, ::-1]), np.where(everything, 2, side)
-    return Structure("bipartite", f"{what}: totally unimodular", core, side, pairs)
+    pairs[has_both] = np.where(side[both[:, :1]] == 0, both, both[:, ::-1])
+    return _Sides(np.where(everything, 2, side), pairs, has_negative)
 
 
 def _pairs(matrix: csr_array, chosen: Bools) -> Ints | None:
-    """The two `chosen` rows of each column that has two; ``None`` if a column has more."""
+    """The two `chosen` rows of each column, -1 where it has not both; ``None`` if it has more."""
     n_rows, n_columns = matrix.shape
     row = np.repeat(np.arange(n_rows), np.diff(matrix.indptr))
     kept = chosen[row]
@@ -159,8 +242,10 @@ def _pairs(matrix: csr_array, chosen: Bools) -> Ints | None:
     if count.max(initial=0) > 2:
         return None
     row = row[np.argsort(column, kind="stable")]
+    pairs = np.full((n_columns, 2), -1)
     first = (np.cumsum(count) - count)[count == 2]
-    return np.stack([row[first], row[first + 1]], axis=1)
+    pairs[count == 2] = np.stack([row[first], row[first + 1]], axis=1)
+    return pairs
 
 
 def _network(core: Core) -> Structure | None:

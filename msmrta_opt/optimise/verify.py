@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Floats
 from ..mission.errors import SolverError
 from .by_structure import BY_MATRIX
-from .check import is_badly_scaled, proves_infeasible, settled, violations
+from .check import Point, is_badly_scaled, proves_infeasible, settled
 from .contradiction import BY_HAND
 from .program import Program
 from .scaling import scaled, scaling
@@ -27,7 +27,7 @@ PROVED = ("optimal", "feasible", "infeasible", "claimed")
 """Statuses of which an outcome may say how they are proved."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class Verifier:
     """A program, the same with tight big-Ms, and what was asked of it and when."""
 
@@ -35,6 +35,7 @@ class Verifier:
     tight: Program
     options: Options
     began: float
+    _seen: tuple[Floats, Point] | None = None
 
     def settled(self) -> Outcome | None:
         """The outcome by looking at all points; ``None`` if they are not few."""
@@ -76,8 +77,14 @@ class Verifier:
             left = max(left - (time.perf_counter() - self.began), atleast)
         return replace(self.options, time_limit=left, start=None)
 
+    def look_at(self, x: Floats) -> Point:
+        """`x` as a solution of the program, looked at once."""
+        if self._seen is None or self._seen[0] is not x:
+            self._seen = x, Point.of(self.program, x)
+        return self._seen[1]
+
     def _holds(self, x: Floats | None) -> bool:
-        return x is not None and not violations(self.program, settled(self.program, x))
+        return x is not None and not self.look_at(x).wrong
 
     def _repaired(self, outcome: Outcome) -> Outcome:
         """The outcome with integers made whole, and then what is continuous solved again."""

@@ -4,12 +4,17 @@ An expression's entries are numbered in column-major order, those of the variabl
 after the other; a coefficient is a number, times a parameter of the problem or not. What the commonest
 atoms (sums, products with data and parameters, selections) do to the coefficients of their arguments
 is a line of numpy each. Those of any other atom are asked of cvxpy, which compiles what it is given.
+
+Where the coefficients are depends on shapes and on how the expressions are made (`fingerprint`), not on
+the numbers in them. So the next problem that is made in the same way needs only its numbers, which
+`again` works out from its constants.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import singledispatchmethod
+from operator import itemgetter
 from typing import NamedTuple
 
 import cvxpy as cp
@@ -30,6 +35,37 @@ from cvxpy.utilities.coeff_extractor import CoeffExtractor
 from scipy.sparse import issparse
 
 from ...arrays import Bools, Floats, Ints
+
+PASSING = (NegExpression, Promote)
+"""Atoms that have one coefficient for each of their argument, constants included."""
+MADE_OF = {
+    *(AddExpression, DivExpression, NegExpression, Promote, Sum),
+    *(broadcast_to, index, multiply, reshape, special_index, transpose),
+}
+"""Atoms whose coefficients are read here."""
+Again = Callable[[Sequence[Floats]], Floats]
+"""The numbers of coefficients, from the constants of the problem."""
+
+
+class AskCvxpyError(Exception):
+    """Numbers come from cvxpy, which has to be asked again."""
+
+
+def _by_cvxpy_alone(_: Sequence[Floats]) -> Floats:
+    raise AskCvxpyError
+
+
+def is_constant(node: cp.Expression) -> bool:
+    """Whether the value of `node` stands for it: a constant, as far as its own atom says nothing."""
+    if isinstance(node, Leaf):
+        return isinstance(node, cp.Constant)
+    return not isinstance(node, PASSING) and node.is_constant() and not node.parameters()
+
+
+def flat(node: cp.Expression) -> Floats:
+    """The value of a constant, in column-major order."""
+    value = node.value.toarray() if issparse(node.value) else np.asarray(node.value)
+    return np.asarray(value.ravel(order="F"), dtype=float)
 
 
 def nodes(expressions: list[cp.Expression]) -> Iterator[cp.Expression]:
@@ -59,21 +95,44 @@ class Coefficients(NamedTuple):
     parameter: Ints
     """The parameter that the number is multiplied with, or their number for none."""
     number: Floats
+    again: Again
 
     def where(self, chosen: Bools | Ints) -> Coefficients:
         """Those `chosen`, by truth or by position."""
-        row, column, parameter, number = self
-        return Coefficients(row[chosen], column[chosen], parameter[chosen], number[chosen])
+        row, column, parameter, _, _ = self
+        places = Coefficients(row[chosen], column[chosen], parameter[chosen], *self[3:])
+        return places.changed(lambda number: number[chosen])
+
+    def changed(self, change: Callable[[Floats], Floats]) -> Coefficients:
+        """With other numbers."""
+        again = self.again
+        return self._replace(
+            number=change(self.number), again=lambda constants: change(again(constants))
+        )
 
     def at(self, row: Ints) -> Coefficients:
         """The same, but in other entries of an expression."""
         return self._replace(row=row)
 
+    def combined(
+        self, operation: np.ufunc, constant: Coefficients, entry: Ints | int
+    ) -> Coefficients:
+        """With ``operation(number, that of constant at entry)`` for numbers."""
+        own, other = self.again, constant.again
+        return self._replace(
+            number=operation(self.number, constant.number[entry]),
+            again=lambda constants: operation(own(constants), other(constants)[entry]),
+        )
+
 
 class Reader:
-    """Reads the affine expressions of one problem, whose parameters are scalars."""
+    """Reads the affine expressions of one problem, whose parameters are scalars.
 
-    def __init__(self, problem: cp.Problem) -> None:
+    `constants` are those of the problem, by `id`, as `fingerprint` numbers them.
+    """
+
+    def __init__(self, problem: cp.Problem, constants: dict[int, int] | None = None) -> None:
+        self._constants = constants or {}
         self._places = InverseData(problem)
         self.variables: list[cp.Variable] = problem.variables()
         self.parameters: list[cp.Parameter] = problem.parameters()
@@ -100,17 +159,22 @@ class Reader:
 
     def of(self, node: cp.Expression) -> Coefficients:
         """Those of one expression."""
-        if node.is_constant() and not node.parameters():
-            value = node.value.toarray() if issparse(node.value) else np.asarray(node.value)
-            return self._plain(self.n_columns, np.asarray(value.ravel(order="F"), dtype=float))
+        if is_constant(node):
+            place = self._constants.get(id(node))
+            again = _by_cvxpy_alone if place is None else itemgetter(place)
+            return self._plain(self.n_columns, flat(node), again)
         found: Coefficients = self._of(node)
         return found
 
-    def _plain(self, column: int | Ints, number: Floats) -> Coefficients:
+    def _plain(self, column: int | Ints, number: Floats, again: Again) -> Coefficients:
         """One coefficient for each entry, without a parameter."""
         row = np.arange(len(number))
         columns = np.broadcast_to(column, row.shape)
-        return Coefficients(row, columns, np.full(len(row), len(self.parameters)), number)
+        return Coefficients(row, columns, np.full(len(row), len(self.parameters)), number, again)
+
+    def _ones(self, column: int | Ints, size: int) -> Coefficients:
+        ones = np.ones(size)
+        return self._plain(column, ones, lambda _: ones)
 
     @singledispatchmethod
     def _of(self, node: cp.Expression) -> Coefficients:
@@ -128,21 +192,20 @@ class Reader:
         own = np.full(tensor.shape[1], len(self.parameters))
         for item in self.parameters:
             own[self._places.param_id_map[item.id]] = self._number[item.id]
-        return Coefficients(row, column, own[parameter], tensor.data)
+        return Coefficients(row, column, own[parameter], tensor.data, _by_cvxpy_alone)
 
     @_of.register(cp.Variable)
     def _(self, node: cp.Variable) -> Coefficients:
-        return self._plain(self._start[node.id] + np.arange(node.size), np.ones(node.size))
+        return self._ones(self._start[node.id] + np.arange(node.size), node.size)
 
     @_of.register(cp.Parameter)
     def _(self, node: cp.Parameter) -> Coefficients:
-        alone = self._plain(self.n_columns, np.ones(1))
+        alone = self._ones(self.n_columns, 1)
         return alone._replace(parameter=np.array([self._number[node.id]]))
 
     @_of.register(NegExpression)
     def _(self, node: NegExpression) -> Coefficients:
-        inner = self.of(node.args[0])
-        return inner._replace(number=-inner.number)
+        return self.of(node.args[0]).changed(np.negative)
 
     @_of.register(AddExpression)
     def _(self, node: AddExpression) -> Coefficients:
@@ -157,8 +220,7 @@ class Reader:
             raise NotImplementedError
         inner = self.of(other)
         if not factor.parameters():
-            numbers = self.of(factor).number[inner.row] * inner.number
-            return inner._replace(number=numbers).where(numbers != 0)
+            return inner.combined(np.multiply, self.of(factor), inner.row)
         if isinstance(factor, Promote):
             factor = factor.args[0]
         if not factor.is_scalar():
@@ -166,8 +228,9 @@ class Reader:
         parts = []
         if np.any(inner.parameter < len(self.parameters)):
             raise NotImplementedError  # a product of parameters, which is not in DPP form
-        for _, _, parameter, number in zip(*self.of(factor), strict=True):
-            weighed = inner._replace(number=inner.number * number)
+        weights = self.of(factor)
+        for place, parameter in enumerate(weights.parameter):
+            weighed = inner.combined(np.multiply, weights, place)
             if parameter < len(self.parameters):
                 weighed = weighed._replace(parameter=np.full(len(inner.row), parameter))
             parts.append(weighed)
@@ -178,7 +241,7 @@ class Reader:
         if node.args[1].parameters() or not node.args[1].is_constant():
             return self._by_cvxpy(node)
         inner, divisor = (self.of(item) for item in node.args)
-        return inner._replace(number=inner.number / divisor.number[inner.row])
+        return inner.combined(np.divide, divisor, inner.row)
 
     @_of.register(Sum)
     def _(self, node: Sum) -> Coefficients:
@@ -203,7 +266,13 @@ class Reader:
 
 
 def _joined(parts: list[Coefficients]) -> Coefficients:
-    return Coefficients(*(np.concatenate(same) for same in zip(*parts, strict=True)))
+    row, column, parameter, number = (
+        np.concatenate(same) for same in list(zip(*parts, strict=True))[:4]
+    )
+    agains = [part.again for part in parts]
+    return Coefficients(
+        row, column, parameter, number, lambda given: np.concatenate([f(given) for f in agains])
+    )
 
 
 def _taken(inner: Coefficients, source: Ints) -> Coefficients:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -16,13 +16,28 @@ from .. import registry
 from ..axes import StageData
 from ..program import Block, Program
 from ..registry import Formulation
-from ..structure import Structure, recognise
-from .affine import read_off
+from ..structure import Frame, Structure, recognise
+from .affine import Patterns, read_off
 from .canonical import Canonical
-from .labels import named
+from .labels import Named, named
 from .reductions import reduced
 
 _compiled: WeakKeyDictionary[object, dict[Callable[[Any], Any], Compiled]] = WeakKeyDictionary()
+
+
+@dataclass
+class _Alike:
+    """What a formulation's programs on different data have in common, to be found once."""
+
+    declared: Hashable = None
+    """Parameters that can have all values that are declared for them, as cvxpy has them."""
+    patterns: Patterns = field(default_factory=Patterns)
+    named: Named | None = None
+    frame: Frame | None = None
+
+
+_alike: WeakKeyDictionary[Callable[[Any], Any], _Alike] = WeakKeyDictionary()
+"""By the function that builds them, which is another one once its file has been read anew."""
 
 
 @dataclass
@@ -37,6 +52,7 @@ class Compiled:
     _parameters: dict[str, cp.Parameter]
     _columns: tuple[Block, ...]
     _rows: tuple[Block, ...]
+    _alike: _Alike = field(repr=False)
     _last: Program | None = None
     _structure: Structure | None = None
     _asked: bool = False
@@ -46,7 +62,9 @@ class Compiled:
         if self._last is None or program.matrix is not self._last.matrix:
             return recognise(program)
         if not self._asked:
-            self._structure, self._asked = recognise(program), True
+            if self._alike.frame is None or self._alike.frame.given is not program.matrix:
+                self._alike.frame = Frame.of(program.matrix)
+            self._structure, self._asked = recognise(program, self._alike.frame), True
         return self._structure
 
     def program(self, **parameters: float) -> Program:
@@ -59,6 +77,8 @@ class Compiled:
         """
         values = parameter_values(self.formulation, parameters)
         for name, parameter in self._parameters.items():
+            if parameter.value == values[name]:
+                continue
             try:
                 parameter.value = values[name]
             except ValueError as error:  # it is declared as a whole number, or with a sign
@@ -139,24 +159,31 @@ def compile_formulation(formulation: Formulation, data: object) -> Compiled:
     undeclared = set(problem.param_dict) - set(formulation.spec.parameters)
     if undeclared:
         raise ModelError(f"{name}: SPEC.parameters lacks {', '.join(sorted(undeclared))}")
-    _set_defaults(formulation, problem)
+    kept = _alike.setdefault(formulation.build, _Alike())
+    kept.declared = _set_defaults(formulation, problem, kept.declared)
     if not problem.variables():
         raise ModelError(f"{name}: the program has no variables")
-    canonical = canonicalise(name, problem)
-    columns, rows = named(name, canonical.columns, canonical.rows, canonical.numbers().matrix, data)
+    canonical = canonicalise(name, problem, kept.patterns)
+    matrix = canonical.numbers().matrix
+    kept.named = named(name, canonical.columns, canonical.rows, matrix, data, kept.named)
+    columns, rows = kept.named.filled(data)
     seconds = time.perf_counter() - began
-    return Compiled(formulation, problem, seconds, canonical, problem.param_dict, columns, rows)
+    return Compiled(
+        formulation, problem, seconds, canonical, problem.param_dict, columns, rows, kept
+    )
 
 
-def canonicalise(name: str, problem: cp.Problem) -> Canonical:
+def canonicalise(name: str, problem: cp.Problem, patterns: Patterns | None = None) -> Canonical:
     """`problem`, of the formulation `name`, in arrays. Its parameters are scalars and have values.
+
+    `patterns` are those of the formulation.
 
     Raises
     ------
     ModelError
         If it is not a linear (integer) program, whatever the values of its parameters.
     """
-    found = read_off(problem)
+    found = read_off(problem, patterns)
     if found is not None:
         return found
     if not problem.is_dpp():
@@ -219,15 +246,26 @@ def structure(formulation: str | Formulation, data: Any, **parameters: float) ->
     return recognise(program(formulation, data, **parameters))
 
 
-def _set_defaults(formulation: Formulation, problem: cp.Problem) -> None:
-    parameters = problem.parameters()
+def _set_defaults(formulation: Formulation, problem: cp.Problem, before: Hashable) -> Hashable:
+    """Set the parameters to their defaults, if they can have all values that are declared for them.
+
+    What they are is returned; if it is what it was `before`, they can.
+    """
+    parameters, declared = problem.parameters(), formulation.spec.parameters
     names = [parameter.name() for parameter in parameters]
     for repeated in {name for name in names if names.count(name) > 1}:
         raise ModelError(
             f"{formulation.name}: two parameters are called {repeated!r}; make one and use it twice"
         )
-    for parameter in parameters:
-        name, item = parameter.name(), formulation.spec.parameters[parameter.name()]
+    found = tuple(
+        (name, declared[name], type(parameter), parameter.shape, repr(parameter.attributes))
+        for name, parameter in zip(names, parameters, strict=True)
+    )
+    for name, parameter in zip(names, parameters, strict=True):
+        item = declared[name]
+        if found == before:
+            parameter.save_value(item.default)  # without cvxpy's looking at it again
+            continue
         try:
             for value in (item.low, item.high, item.default):
                 parameter.value = value
@@ -236,3 +274,4 @@ def _set_defaults(formulation: Formulation, problem: cp.Problem) -> None:
                 f"{formulation.name}: parameter {name} cannot be a number from {item.low:g} to"
                 f" {item.high:g}: {error}"
             ) from error
+    return found

@@ -14,7 +14,7 @@ have axes of the modeller's own, under other names; these are numbered.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -32,21 +32,68 @@ Places = dict[str, Ints]
 """By axis that a dimension runs over, the place on it at each place of the dimension."""
 
 
+@dataclass(frozen=True)
+class _Placed(Block):
+    """A block whose ids are those at `places` along axes, a `source` for each dimension."""
+
+    places: tuple[tuple[int, ...], ...] = ()
+    sources: Letters = ()
+
+    def filled(self, ids: Mapping[str, Ids]) -> Block:
+        """With the ids along the axes."""
+        along = tuple(
+            tuple([ids[source][place] for place in places]) if source else places
+            for source, places in zip(self.sources, self.places, strict=True)
+        )
+        return Block(self.name, self.start, self.shape, self.letters, self.nouns, along)
+
+
+@dataclass(frozen=True, eq=False)
+class Named:
+    """The blocks of a program with their axes, for whatever ids stand along these.
+
+    ``given`` and ``matrix`` are what they were found from.
+    """
+
+    given: tuple[object, ...]
+    matrix: csr_array
+    columns: tuple[Block, ...]
+    rows: tuple[Block, ...]
+
+    def filled(self, data: object) -> tuple[tuple[Block, ...], tuple[Block, ...]]:
+        """Columns and rows with the ids of `data`, if it has any."""
+        if not isinstance(data, StageData):
+            return self.columns, self.rows
+        ids = {letter: data.along(letter) for letter in data.axes}
+        columns, rows = (
+            tuple(b.filled(ids) if isinstance(b, _Placed) else b for b in blocks)
+            for blocks in (self.columns, self.rows)
+        )
+        return columns, rows
+
+
 def named(
-    name: str, columns: Sequence[Block], rows: Sequence[Block], matrix: csr_array, data: object
-) -> tuple[tuple[Block, ...], tuple[Block, ...]]:
-    """The blocks of a formulation's program on `data`, with axes and ids.
+    name: str,
+    columns: tuple[Block, ...],
+    rows: tuple[Block, ...],
+    matrix: csr_array,
+    data: object,
+    before: Named | None = None,
+) -> Named:
+    """The blocks of a formulation's program on `data`, with axes.
 
     Parameters
     ----------
     name : str
         The formulation's.
-    columns, rows : sequence of Block
+    columns, rows : tuple of Block
         With variables' names and constraints' labels.
     matrix : sparse array, shape (n_rows, n_columns)
         The program's.
     data
         Without declared axes all keep their positions, and braces stand in the order of dimensions.
+    before : Named, optional
+        That of another program, which is that of this one if both are alike.
 
     Raises
     ------
@@ -60,13 +107,16 @@ def named(
                     f"{name}: label {block.name!r} has more braces than its constraint, of shape"
                     f" {block.shape}, has axes; leave out what is none"
                 )
-        return tuple(columns), tuple(rows)
+        return Named((), matrix, columns, rows)
+    given = (name, columns, rows, type(data), *map(len, data.ids.values()))
+    if before is not None and before.matrix is matrix and before.given == given:
+        return before
     names = _Names(name, data, matrix)
     declared = [names.declared(block) for block in columns]
     read = [block for block in declared if block.letters]
     found = tuple(b if _is_added(b) else names.row(b, read) for b in rows)
     rest = (b if b.letters or _is_added(b) else names.column(b, found) for b in declared)
-    return tuple(rest), found
+    return Named(given, matrix, tuple(rest), found)
 
 
 def _is_added(block: Block) -> bool:
@@ -187,16 +237,17 @@ class _Names:
         return best[1] if best else None
 
     def _with(self, block: Block, letters: Letters, places: Sequence[Places]) -> Block:
-        ids: list[Ids] = []
+        along: list[tuple[int, ...]] = []
+        sources: list[str] = []
         for letter, n, of in zip(letters, block.shape, places, strict=False):
             near = [x for x in of if letter and self._family(x) == self._family(letter)]
             source = letter if letter in of or not near else near[0]
-            if source in of:
-                ids.append(tuple(self.ids[source][place] for place in of[source].tolist()))
-            else:
-                ids.append(self.ids[letter] if letter else tuple(range(n)))
+            along.append(tuple(of[source].tolist()) if source in of else tuple(range(n)))
+            sources.append(source)
         nouns = tuple(self.data.axes[letter].noun if letter else "" for letter in letters)
-        return replace(block, letters=letters, nouns=nouns, ids=tuple(ids))
+        return _Placed(
+            block.name, block.start, block.shape, letters, nouns, (), tuple(along), tuple(sources)
+        )
 
     def _family(self, letter: str) -> str:
         """The axis whose things `letter` runs over."""
