@@ -1,7 +1,7 @@
 """An operations researcher's workbench for multi-robot task assignment in search and rescue.
 
     >>> import msmrta_opt as mo
-    >>> plan = mo.plan(mo.read("instances/paper.json"), psi=0.95)
+    >>> plan = mo.plan(mo.example("paper"), psi=0.95)
     >>> plan.metrics.served_share
     1.0
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from .mission.errors import ModelError as ModelError
     from .mission.errors import MsmrtaError as MsmrtaError
     from .mission.errors import SolverError as SolverError
+    from .mission.examples import example as example
+    from .mission.examples import examples as examples
     from .mission.generate import generate_mission as generate_mission
     from .mission.generate import random_mission as random_mission
     from .mission.grid import DistanceTable as DistanceTable
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
     from .mission.maps import read_map as read_map
     from .mission.metrics import Metrics as Metrics
     from .mission.plan import Plan as Plan
+    from .mission.plan_difference import PlanDifference as PlanDifference
     from .optimise.compile.compiled import program as program
     from .optimise.compile.compiled import structure as structure
     from .optimise.data import ClusterData as ClusterData
@@ -83,10 +86,11 @@ if TYPE_CHECKING:
     from .studies.analysis.tradeoff import tradeoff as tradeoff
     from .studies.analysis.tradeoff import tradeoff_regions as tradeoff_regions
     from .studies.comparison import comparison as compare  # noqa: F401
+    from .studies.study import study as study
 
 
 def read(path: str) -> Instance:
-    """Read an instance file; see `Instance.read`."""
+    """Read an instance file, or a shipped instance by its name; see `Instance.read`."""
     from .mission.instance import Instance
 
     return Instance.read(path)

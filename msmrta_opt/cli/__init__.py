@@ -20,7 +20,20 @@ import typer
 
 from .. import interruption
 from ..mission.errors import CheckError, MsmrtaError
-from . import compare, exact, generate, missions, models, plans, programs, proofs, study, tradeoff
+from . import (
+    compare,
+    exact,
+    generate,
+    instances,
+    missions,
+    models,
+    plan_differences,
+    plans,
+    programs,
+    proofs,
+    study,
+    tradeoff,
+)
 from .screen import open_closed_descriptors, screens
 
 app = typer.Typer(
@@ -32,7 +45,8 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help starts in half the time
 )
 for group in (
-    missions, generate, exact, plans, models, programs, proofs, compare, tradeoff, study
+    missions, instances, generate, exact, plans, plan_differences, models, programs, proofs, compare,
+    tradeoff, study,
 ):  # fmt: skip
     group.register(app)
 

@@ -120,9 +120,11 @@ def check(
 def _read(file: Path) -> Instance | Plan:
     from ..mission.instance import Instance
     from ..mission.plan import Plan
+    from ..mission.shipped import find_instance
     from .outputs import document_format
 
-    return (Plan if document_format(file).startswith("msmrta-plan") else Instance).read(file)
+    path = find_instance(file)
+    return (Plan if document_format(path).startswith("msmrta-plan") else Instance).read(path)
 
 
 def _plan(plan: Plan, missions: list[Instance]) -> _Verdict:

@@ -25,7 +25,9 @@ def register(app: typer.Typer) -> None:
 
 
 def compare(
-    instances: Annotated[list[Path], typer.Argument(metavar="INSTANCE…", help="Instance files.")],
+    instances: Annotated[
+        list[Path], typer.Argument(metavar="INSTANCE…", help="Instances, by file or name.")
+    ],
     stage: Annotated[str, typer.Option(help="clustering, cluster, victim or joint.")] = "cluster",
     models: Annotated[
         list[str] | None,

@@ -10,7 +10,10 @@ import typer
 from ..routing.objectives import NAMES
 from .check import check
 
-InstanceFile = Annotated[Path, typer.Argument(help="An instance file.", metavar="INSTANCE")]
+InstanceFile = Annotated[
+    Path,
+    typer.Argument(help="An instance file, or the name of a shipped one.", metavar="INSTANCE"),
+]
 Json = Annotated[Path | None, typer.Option("--json", help="Write the result here, as JSON.")]
 Figure = Annotated[Path | None, typer.Option(help="Write the picture here: .png, .svg or .pdf.")]
 Seed = Annotated[int | None, typer.Option(help="Of all random choices.  [default: 0]")]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..mission.errors import InputError
 from ..mission.files import parse_json, read_json, write_with
+from ..mission.shipped import find_instance
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,11 +58,13 @@ def _is_same(file: Path, other: Path) -> bool:
 
 def _all_read(inputs: Iterable[Path | None]) -> Iterator[Path]:
     """The `inputs`, and the map files to which those that are missions refer."""
-    for file in inputs:
-        if file is None:
+    for given in inputs:
+        if given is None:
             continue
-        yield file
+        yield given
         with contextlib.suppress(InputError):  # it will be said when the file is read
+            file = find_instance(given)
+            yield file
             document = read_json(file)
             name = document.get("map") if isinstance(document, dict) else None
             if isinstance(name, str) and (file.parent / name).is_file():

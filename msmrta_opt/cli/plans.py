@@ -21,7 +21,9 @@ def register(app: typer.Typer) -> None:
 
 
 def compare_plans(
-    instances: Annotated[list[Path], typer.Argument(metavar="INSTANCE…", help="Instance files.")],
+    instances: Annotated[
+        list[Path], typer.Argument(metavar="INSTANCE…", help="Instances, by file or name.")
+    ],
     objective: Annotated[str, typer.Option(help=f"One of {NAMES}.")] = DEFAULT,
     seconds: Annotated[float, typer.Option(help="For the exact planner, on each.")] = 30.0,
     seed: Seed = None,

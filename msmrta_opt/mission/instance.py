@@ -30,10 +30,12 @@ from pydantic import (
     model_validator,
 )
 
+from . import display
 from .errors import InputError, at, shown
 from .files import write_text
 from .grid import Cell, GridMap
 from .maps import BLOCKED, FREE, grid_from_rows, read_map
+from .shipped import find_instance
 from .validation import first_problem, read_model
 
 FORMAT: Literal["msmrta-instance/1"] = "msmrta-instance/1"
@@ -204,6 +206,44 @@ class Instance(_Record):
     def __hash__(self) -> int:
         return hash((self.name, self.map, self.robots, self.n_victims))
 
+    def __repr__(self) -> str:
+        return f"Instance({self._summary})"
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def _repr_html_(self) -> str:
+        robots = [
+            {"robot": x.id, "start": x.start, "speed": x.speed, "capabilities": x.capabilities}
+            for x in self.robots
+        ]
+        victims = [
+            {"victim": x.id, "cell": x.cell, "requirements": x.requirements, "priority": x.priority}
+            for x in self.victims
+        ]
+        scouts = [
+            {"scout": x.id, "start": x.start, "sees (cells)": x.visual_field_depth}
+            for x in self.scouts
+        ]
+        return display.page(
+            self._summary,
+            display.paragraph(self.description),
+            display.table("Robots", robots),
+            display.table("Victims", victims),
+            display.table("Scouts", scouts),
+        )
+
+    @property
+    def _summary(self) -> str:
+        n_rows, n_cols = self.map.shape
+        counts = [
+            display.counted(self.n_robots, "robot"),
+            display.counted(self.n_victims, "victim"),
+            *([display.counted(len(self.scouts), "scout")] if self.scouts else []),
+            display.counted(self.n_kinds, "kind"),
+        ]
+        return f"{self.name or 'unnamed'}: {', '.join(counts)}, map of {n_rows} × {n_cols} cells"
+
     def _check_cell(self, field: str, cell: Cell) -> None:
         n_rows, n_cols = self.map.shape
         if not self.map.contains(cell):
@@ -278,14 +318,15 @@ class Instance(_Record):
 
     @classmethod
     def read(cls, path: str | Path) -> Instance:
-        """Read an instance file.
+        """Read an instance file, or a shipped instance by its name; a file of that name comes first.
 
         Raises
         ------
         InputError
             Naming the file, the field, the offending value and what would be right.
         """
-        return read_model(cls, path, context={"folder": Path(path).parent})
+        file = find_instance(path)
+        return read_model(cls, file, context={"folder": file.parent})
 
     @classmethod
     def from_document(cls, document: Mapping[str, Any], *, file: str | Path = "") -> Instance:

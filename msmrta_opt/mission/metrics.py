@@ -181,12 +181,12 @@ class Metrics:
     def total_time(self) -> float:
         """Travel and service time of all robots."""
         # Routes have no waiting, so a robot's finishing time is its travel and service time.
-        return sum(self._finished.values())
+        return sum(self.finished_of.values())
 
     @metric("makespan", TIME, better="less")
     def makespan(self) -> float:
         """When the last robot is done."""
-        return max(self._finished.values(), default=0.0)
+        return max(self.finished_of.values(), default=0.0)
 
     @metric(
         "latency",
@@ -260,7 +260,7 @@ class Metrics:
         return completion
 
     @cached_property
-    def _finished(self) -> Mapping[int, float]:
+    def finished_of(self) -> Mapping[int, float]:
         """When a robot is done, its way back included, per robot id."""
         finished = {robot.id: 0.0 for robot in self.instance.robots}
         speed = {robot.id: robot.speed for robot in self.instance.robots}

@@ -9,6 +9,8 @@ from .errors import InputError
 from .grid import GridMap
 from .layouts import cells_out_of_reach, maze, rooms, rubble, with_pocket
 from .maps import read_map
+from .shipped import shipped_folder
+from .suggestions import meant
 
 LAYOUTS = {
     "rooms": ("size", "room", "openings"),
@@ -17,14 +19,10 @@ LAYOUTS = {
 }
 """Maps to generate, and their options."""
 
-_PACKAGE = Path(__file__).resolve().parents[1]
-_CHECKOUT = _PACKAGE.parent
-
 
 def named_maps() -> dict[str, Path]:
-    """The map files that come with the package, by name: the checkout's, or a wheel's copies."""
-    home = _CHECKOUT if (_CHECKOUT / "pyproject.toml").is_file() else _PACKAGE / "_shipped"
-    return {path.stem: path for path in sorted((home / "instances" / "maps").glob("*.map"))}
+    """The map files that come with the package, by name."""
+    return {path.stem: path for path in sorted((shipped_folder() / "maps").glob("*.map"))}
 
 
 def find_map(name_or_file: str | Path) -> GridMap:
@@ -40,7 +38,8 @@ def find_map(name_or_file: str | Path) -> GridMap:
         return read_map(known[str(name_or_file)])
     if not Path(name_or_file).exists():
         raise InputError(
-            f"{str(name_or_file)!r} is no file and no known map; known: {', '.join(known)}",
+            f"{str(name_or_file)!r} is no file and no known map{meant(name_or_file, known)};"
+            f" known: {', '.join(known)}",
             field="map",
         )
     return read_map(name_or_file)

@@ -15,18 +15,24 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 from pydantic import Field, NonNegativeInt
 
 from ..public import load
+from . import display
+from .errors import InputError
 from .files import write_text
 from .instance import CellField, Instance
-from .metrics import Metrics
+from .metrics import Metrics, metrics_of
+from .plan_difference import PlanDifference
+from .plan_tables import TABLES, VISIT_COLUMNS
 from .proof import Finite, LatencyProof, RootProof
 from .route import PlanRecord, Time
 from .route import Reason as Reason
 from .route import Route as Route
 from .route import Unserved as Unserved
 from .route import Visit as Visit
+from .suggestions import meant
 from .validation import read_model
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
 FORMAT: Literal["msmrta-plan/1"] = "msmrta-plan/1"
@@ -141,11 +147,18 @@ class Plan(PlanRecord):
         return self.instance.with_victims([v for v, x in victims if x.id not in hidden])
 
     def route(self, robot: int) -> Route:
-        """The route of the robot with that id."""
+        """The route of the robot with that id.
+
+        Raises
+        ------
+        InputError
+            If there is no such robot.
+        """
         for route in self.routes:
             if route.robot == robot:
                 return route
-        raise KeyError(f"no robot {robot} in this plan")
+        known = ", ".join(str(route.robot) for route in self.routes)
+        raise InputError(f"no robot {robot!r} in this plan; there are {known}", field="robot")
 
     @property
     def limits(self) -> dict[str, Any]:
@@ -161,6 +174,32 @@ class Plan(PlanRecord):
         """Whether `mission` is what this plan answers, whatever it is called."""
         parts = ("map", "capabilities", "service_time", "robots", "victims", "scouts")
         return all(getattr(self.instance, part) == getattr(mission, part) for part in parts)
+
+    def to_frame(self, what: str = "visits") -> pd.DataFrame:
+        """The plan as a table.
+
+        Parameters
+        ----------
+        what : {"visits", "robots", "metrics"}
+            A row a visit, a robot or a metric; distances in cells, times in time units.
+
+        Raises
+        ------
+        InputError
+            If there is no such table.
+        """
+        import pandas as pd
+
+        if what not in TABLES:
+            raise InputError(
+                f"{what!r}{meant(what, TABLES)}; give one of {', '.join(TABLES)}", field="what"
+            )
+        columns = VISIT_COLUMNS if what == "visits" else None  # there may be no visit
+        return pd.DataFrame(TABLES[what](self), columns=columns)
+
+    def diff(self, other: Plan) -> PlanDifference:
+        """What `other` does otherwise: visits moved, metrics beside each other, a picture of both."""
+        return PlanDifference(self, other)
 
     def plot(self, **options: Any) -> Figure:
         """Draw the plan: the three panels of the paper's Fig. 2; see `plots.plot_mission`."""
@@ -192,3 +231,34 @@ class Plan(PlanRecord):
         for document in (mine, theirs):
             document.pop("planning_seconds")
         return mine == theirs
+
+    def __repr__(self) -> str:
+        return f"Plan({self._summary})"
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def _repr_html_(self) -> str:
+        missing = [
+            {"victim": item.victim, "requirement": item.kind, "why": item.reason.value}
+            for item in self.unserved
+        ]
+        values = [
+            {"metric": entry.words, "value": entry.text(self.metrics)}
+            for entry in metrics_of("plan")
+        ]
+        return display.page(
+            self._summary,
+            display.table("Metrics", values),
+            display.table("Visits", TABLES["visits"](self)),
+            display.table("Unserved", missing),
+        )
+
+    @property
+    def _summary(self) -> str:
+        of = self.metrics
+        return (
+            f"{self.planner} for {self.instance.name or 'a mission'}: {of.n_served} of "
+            f"{of.n_available} available requirements served, total time {of.total_time:g}, "
+            f"makespan {of.makespan:g}"
+        )

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mission import display
 from ..mission.errors import CheckError, InputError
+from ..mission.suggestions import meant
 from .program import Block, Sense
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ Status = Literal[
 ]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Solution:
     """What is known after solving one formulation on one data set. Plain and picklable.
 
@@ -96,13 +98,13 @@ class Solution:
             for place in np.flatnonzero(np.abs(flat) > 1e-9)
         ]
 
-    def to_frame(self, name: str) -> pd.DataFrame:
+    def to_frame(self, name: str | None = None) -> pd.DataFrame:
         """A variable, or the rows of a constraint, as a table with a column for each axis, in ids.
 
         Parameters
         ----------
-        name : str
-            A variable's name, or a constraint's label.
+        name : str, optional
+            A variable's name, or a constraint's label; without one, all variables that are not zero.
 
         Returns
         -------
@@ -116,6 +118,8 @@ class Solution:
         """
         import pandas as pd
 
+        if name is None:
+            return pd.DataFrame(self.nonzero(), columns=["variable", "value"])
         found = {"value": self.values, "dual": self.duals}
         for block in self.blocks:
             for what, arrays in found.items():
@@ -128,8 +132,45 @@ class Solution:
                         for noun, along, at in zip(nouns, ids, places, strict=True)
                     }
                     return pd.DataFrame({**columns, what: arrays[name].ravel()})
-        known = ", ".join(repr(key) for arrays in found.values() for key in arrays) or "nothing"
-        raise InputError(f"no values of {name!r}; there are those of {known}", field="name")
+        names = [key for arrays in found.values() for key in arrays]
+        known = ", ".join(map(repr, names)) or "nothing"
+        raise InputError(
+            f"no values of {name!r}{meant(name, names)}; there are those of {known}", field="name"
+        )
+
+    def __repr__(self) -> str:
+        return f"Solution({self._summary})"
+
+    def _repr_html_(self) -> str:
+        rows = [{"variable": name, "value": value} for name, value in self.nonzero()]
+        facts = {
+            "status": self.status,
+            "objective": self.objective,
+            "bound": self.bound,
+            "gap": self.gap,
+            "proof": self.proof,
+            "independent check": self.check,
+            "solver": f"{self.solver} {self.solver_version}".strip(),
+            "parameters": ", ".join(f"{k} = {v:g}" for k, v in self.parameters.items()),
+            "size": f"{self.n_variables} variables, {self.n_rows} rows",
+            "message": self.message,
+        }
+        told = [{"what": what, "value": x} for what, x in facts.items() if x not in (None, "")]
+        return display.page(
+            self._summary,
+            display.table("Certificate", told),
+            display.table("Variables that are not zero", rows),
+        )
+
+    @property
+    def _summary(self) -> str:
+        parts = [f"{self.formulation}: {self.status}"]
+        if self.objective is not None:
+            parts.append(f"{self.sense} {self.objective:.9g}")
+        if self.bound is not None:
+            parts.append(f"bound {self.bound:.9g}")
+        parts += [self.solver] if self.solver else []
+        return ", ".join(parts)
 
     def require(self) -> Solution:
         """The solution itself, if it holds a checked incumbent.

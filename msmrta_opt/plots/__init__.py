@@ -5,7 +5,8 @@ returns the axes; `plot_mission` composes them and returns the figure. Figures m
 the caller alone: pyplot does not know them, no global setting changes, no display is needed. In a
 notebook, what these functions return shows itself as the last value of a cell.
 
-Panels: `scouting`, `assignment`, `paths`, `gantt`, and `mission` with all of them. What they share:
+Panels: `scouting`, `assignment`, `paths`, `gantt`, `mission` with all of
+them, `two_plans`. What they share:
 `figure`, `canvas` (the map), `marks` and `clusters` on it, `legends`, `lettering` (any name as it is
 written), `style` (what stands for what), `saving`.
 
@@ -21,6 +22,7 @@ from .paths import plot_paths
 from .saving import FORMATS, save_figure
 from .scouting import plot_coverage, plot_scouting
 from .style import robot_colour
+from .two_plans import plot_two_plans
 
 __all__ = [
     "FORMATS",
@@ -31,6 +33,7 @@ __all__ = [
     "plot_mission",
     "plot_paths",
     "plot_scouting",
+    "plot_two_plans",
     "robot_colour",
     "save_figure",
 ]

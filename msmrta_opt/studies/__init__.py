@@ -4,6 +4,7 @@ To be read in this order. What is asked for: `specification` (the study file), `
 `tasks` (what a run does), `runs` (every combination, keyed by what determines its result). Doing it:
 `perform` (one run, to its `record`), `runner` (all of them, here), `cluster` (or on a Dask cluster),
 `preload` (what their processes share), `ledger` (what is kept). `comparison` is formulations × solvers
-without a ledger, `solves` its table, `proving` holds it against proofs. What records
-say is in `analysis`, a study's page in `report`.
+without a ledger, `solves` its rows, `comparison_table` its pandas table, `proving` holds it against
+proofs. `study` is all of a study in Python. What records say is in `analysis`, a study's page in
+`report`.
 """

@@ -13,12 +13,11 @@ from .missions import Mission
 from .record import Record
 from .runner import here, locally, records
 from .runs import Run, combined, solving_contender
-from .solves import table_of
 from .specification import Timing
 from .tasks import Solving, solving_tasks
 
 if TYPE_CHECKING:
-    import pandas as pd
+    from .comparison_table import Comparison
 
 GRACE_SECONDS = 20.0
 """Time beyond the solver's limit after which a solve is killed; building is included."""
@@ -86,7 +85,7 @@ def comparison(
     gap: float | None = None,
     structure: bool = True,
     **parameters: float,
-) -> pd.DataFrame:
+) -> Comparison:
     """Compare formulations and solvers on instances, as a pandas table.
 
     Parameters
@@ -116,8 +115,9 @@ def comparison(
 
     Returns
     -------
-    DataFrame
-        One row a solve, in the order of `cases`, one column per entry of `solves.COLUMNS`.
+    Comparison
+        A pandas table: one row a solve, in the order of `cases`, one column per entry of
+        `solves.COLUMNS`.
 
     Raises
     ------
@@ -136,5 +136,7 @@ def comparison(
         gap=gap,
         structure=structure,
     )
+    from .comparison_table import Comparison
+
     finished = compare(todo, jobs=jobs, memory_limit=memory_limit)
-    return table_of(in_order(todo, list(finished)))
+    return Comparison.of(in_order(todo, list(finished)))

@@ -21,6 +21,8 @@ from ..mission.grid import GridMap
 from ..mission.instance import Instance
 from ..mission.layouts import share_of
 from ..mission.named_maps import LAYOUTS, find_map, make_map, named_maps
+from ..mission.shipped import shipped_instances
+from ..mission.suggestions import meant
 from ..mission.validation import said_of
 from ..planners.support.planner import versions
 from .specification import GeneratedInstances, InstanceFiles, Study
@@ -142,7 +144,10 @@ def digest_of(document: object) -> str:
 
 
 def _files(study: Study, table: InstanceFiles) -> list[Path]:
-    """The files that `table` names, each once: a file of that name, else what matches the pattern."""
+    """The files that `table` names, each once.
+
+    That is a file of that name, else what matches the pattern, else the shipped instance of that name.
+    """
     folder = study.path.parent
     found: dict[Path, None] = {}
     for pattern in table.files:
@@ -154,8 +159,11 @@ def _files(study: Study, table: InstanceFiles) -> list[Path]:
                 inside = sorted(glob.glob(text, root_dir=folder, recursive=True))
                 if matches := [folder / match for match in inside]:
                     break
+        if not matches and pattern in shipped_instances():
+            matches = [shipped_instances()[pattern]]
         if not matches:
-            raise InputError(f"{pattern!r} matches no file", field="files", file=study.path)
+            near = meant(pattern, shipped_instances())
+            raise InputError(f"{pattern!r} matches no file{near}", field="files", file=study.path)
         found.update(dict.fromkeys(matches))
     return list(found)
 

@@ -5,7 +5,6 @@ Everywhere, a list of values is an axis: all combinations are run.
 
 from __future__ import annotations
 
-import glob
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -180,7 +179,17 @@ class Study(_Table):
         InputError
             Naming the file, the field, the offending value and what would be right.
         """
-        document = read_toml(path)
+        return cls.of(read_toml(path), path)
+
+    @classmethod
+    def of(cls, document: Mapping[str, Any], path: str | Path) -> Self:
+        """The study of a document; `path` names its ledger, and files are looked for from there.
+
+        Raises
+        ------
+        InputError
+            As `read`.
+        """
         if "path" in document:
             raise InputError(
                 "there is no such field; correct its name or remove it", field="path", file=path
@@ -196,22 +205,6 @@ class Study(_Table):
     def ledger(self) -> Path:
         """Where the results are kept: beside the study."""
         return self.path.with_suffix(".sqlite")
-
-    def files(self, table: InstanceFiles) -> list[Path]:
-        """The files that `table` names, each once, globs in the order of their names.
-
-        Raises
-        ------
-        InputError
-            If a path or a glob matches nothing.
-        """
-        found: dict[Path, None] = {}
-        for pattern in table.files:
-            matches = sorted(glob.glob(str(self.path.parent / pattern), recursive=True))
-            if not matches:
-                raise InputError(f"{pattern!r} matches no file", field="files", file=self.path)
-            found.update(dict.fromkeys(Path(match) for match in matches))
-        return list(found)
 
 
 def _instances(i: int, table: Any) -> InstanceFiles | GeneratedInstances:

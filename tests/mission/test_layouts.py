@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import find_objects, label
 
-from msmrta_opt.mission import named_maps as named
+from msmrta_opt.mission import shipped as shipped_files
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.grid import Cell, GridMap
 from msmrta_opt.mission.layouts import (
@@ -261,8 +261,8 @@ def test_an_installed_package_finds_the_maps_that_it_was_shipped_with(
     shipped = tmp_path / "msmrta_opt" / "_shipped" / "instances" / "maps"
     shipped.mkdir(parents=True)
     write_map(grid_from_rows(["..."]), shipped / "hall.map")
-    monkeypatch.setattr(named, "_PACKAGE", tmp_path / "msmrta_opt")
-    monkeypatch.setattr(named, "_CHECKOUT", tmp_path)
+    monkeypatch.setattr(shipped_files, "_PACKAGE", tmp_path / "msmrta_opt")
+    monkeypatch.setattr(shipped_files, "_CHECKOUT", tmp_path)
     assert named_maps() == {"hall": shipped / "hall.map"}
     assert find_map("hall").rows == ("...",)
 

@@ -46,7 +46,7 @@ def test_a_robot_that_stays_has_no_cells() -> None:
 
 def test_routes_are_found_by_the_robots_id(plan: Plan) -> None:
     assert plan.route(3).robot == 3
-    with pytest.raises(KeyError, match="no robot 0 in this plan"):
+    with pytest.raises(InputError, match="no robot 0 in this plan; there are 7, 3"):
         plan.route(0)
 
 

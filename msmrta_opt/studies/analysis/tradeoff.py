@@ -11,14 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, Literal, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 import numpy as np
 
 from ...interruption import interrupted
+from ...mission import display
 from ...mission.errors import InputError, MsmrtaError
 from ...mission.instance import Instance
-from ...mission.metrics import Metrics
+from ...mission.metrics import Metrics, metrics_of
 from ...mission.plan import Plan
 from ...optimise import registry
 from ...optimise.compile import compile_for
@@ -28,6 +29,9 @@ from ...optimise.solve import solve
 from ...planners import plan as make_plan
 from ...stages.data import stage_data
 from ...stages.options import StagedOptions
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Over = Literal["psi", "beta"]
 STAGE: dict[str, str] = {"psi": "cluster", "beta": "victim"}
@@ -40,7 +44,7 @@ Assignment = tuple[tuple[int, ...], ...]
 """Per robot, in the mission's order, what it takes: clusters (Eq. 1) or victims (Eq. 2), by position."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Segment:
     """An interval of the parameter with one optimal line, and the plan that comes of it.
 
@@ -70,8 +74,11 @@ class Segment:
         """Of the plan."""
         return self.plan.metrics
 
+    def __repr__(self) -> str:
+        return f"Segment({self.low} to {self.high}, slope {self.slope})"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Tradeoff:
     """All pieces over one parameter.
 
@@ -120,6 +127,44 @@ class Tradeoff:
         """Per robot the names of what it takes: ``C1``, or ``v3+v7``; empty for nothing."""
         return ["+".join(self.names[i] for i in taken) for taken in assignment]
 
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """A row a segment: its interval, the optimal value's slope and ends, who takes what, metrics."""
+        return [
+            {
+                "low": float(segment.low),
+                "high": float(segment.high),
+                "slope": float(segment.slope),
+                "at 0": float(segment.objectives[0]),
+                "at 1": float(segment.objectives[1]),
+                "robots take": ", ".join(name or "∅" for name in self.named(segment.assignment)),
+                "unique": segment.unique,
+                **{entry.name: entry.of(segment.metrics) for entry in metrics_of("plans")},
+            }
+            for segment in self.segments
+        ]
+
+    def to_frame(self) -> pd.DataFrame:
+        """`rows` as a table; the exact ends are in `segments`."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows)
+
+    @property
+    def _summary(self) -> str:
+        ends = ", ".join(map(str, self.breakpoints[:8])) + (
+            ", …" if len(self.breakpoints) > 8 else ""
+        )
+        at = f", breakpoints {ends}" if ends else ""
+        pieces = display.counted(len(self.segments), "piece")
+        return f"{self.model} over {self.over}: {pieces}, {self.sense}{at}"
+
+    def __repr__(self) -> str:
+        return f"Tradeoff({self._summary})"
+
+    def _repr_html_(self) -> str:
+        return display.page(self._summary, display.table("Pieces", self.rows))
+
 
 @dataclass(frozen=True, eq=False)
 class Region:
@@ -134,7 +179,7 @@ class Region:
     unique: bool
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Regions:
     """The whole square, in regions; ``exact`` as in `Tradeoff`."""
 
@@ -149,6 +194,43 @@ class Regions:
         for region in self.regions:
             kept.setdefault(region.plan.routes, region.plan)
         return list(kept.values())
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """A row a region: its intervals, the number of its plan in `plans` from 1, metrics."""
+        number = {plan.routes: n for n, plan in enumerate(self.plans, start=1)}
+        return [
+            {
+                "psi low": float(region.psi[0]),
+                "psi high": float(region.psi[1]),
+                "beta low": float(region.beta[0]),
+                "beta high": float(region.beta[1]),
+                "plan": number[region.plan.routes],
+                "unique": region.unique,
+                **{entry.name: entry.of(region.plan.metrics) for entry in metrics_of("plans")},
+            }
+            for region in self.regions
+        ]
+
+    def to_frame(self) -> pd.DataFrame:
+        """`rows` as a table; the exact ends are in `regions`."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows)
+
+    @property
+    def _summary(self) -> str:
+        counts = (
+            display.counted(len(self.regions), "region"),
+            display.counted(len(self.plans), "plan"),
+        )
+        return f"psi and beta: {counts[0]}, {counts[1]}"
+
+    def __repr__(self) -> str:
+        return f"Regions({self._summary})"
+
+    def _repr_html_(self) -> str:
+        return display.page(self._summary, display.table("Regions", self.rows))
 
 
 @overload
