@@ -12,14 +12,12 @@ from fractions import Fraction
 
 import numpy as np
 
-from ..arrays import Bools, Floats
-from .program import Program
+from ..arrays import Bools, Floats, Ints
+from .program import ROUNDING, Program
 from .scaling import scaling
 
 TOLERANCE = 1e-6
 """How far a row with continuous columns or a bound may be missed, relative to the size of its terms."""
-ROUNDING = 1e-12
-"""The same of a row on whole-number columns: what its decimals may be off by."""
 TIGHT = 1e-9
 """Difference up to which a bound equals the objective, relative to it or to the unit of `scaling`."""
 WIDE = 1e7
@@ -194,9 +192,13 @@ def proves_infeasible(program: Program, ray: Floats) -> bool:
 
     By Farkas' lemma: the rows, so multiplied and added, ask for more than the bounds allow, by more than
     the rounding of the rows' own numbers. A ray that solvers rounded is also tried as the simple
-    fractions near to it.
+    fractions near to it, and so are rows alone.
     """
-    if (largest_reach(program) < -TOLERANCE).any():
+    if any(
+        _asks_too_much(program, [Fraction(sign * int(k == i)) for k in range(program.n_rows)])
+        for i in rows_out_of_reach(program)[:3]
+        for sign in (1, -1)
+    ):
         return True
     largest = float(np.abs(ray).max(initial=0.0)) if np.isfinite(ray).all() else 0.0
     if largest == 0:
@@ -210,21 +212,21 @@ def proves_infeasible(program: Program, ray: Floats) -> bool:
     )
 
 
-def largest_reach(program: Program) -> Floats:
-    """How far each row can go beyond what it asks within the bounds, relative to its sides."""
+def rows_out_of_reach(program: Program) -> Ints:
+    """Rows that, as far as floats can tell, no point within the bounds satisfies."""
     up, down = program.matrix.maximum(0), program.matrix.minimum(0)
     with np.errstate(invalid="ignore"):
         high = up @ program.upper + down @ program.lower
         low = up @ program.lower + down @ program.upper
-        reach = np.minimum(high - program.row_lower, program.row_upper - low)
-        sides = np.minimum(np.abs(program.row_lower), np.abs(program.row_upper))
-        share = reach / np.maximum(sides, 1e-300)
-    return np.where(np.isfinite(share), share, 0.0)
+        short = (high < program.row_lower) | (low > program.row_upper)
+    return np.flatnonzero(short)
 
 
 def _asks_too_much(program: Program, ray: list[Fraction]) -> bool:
     matrix = program.matrix
     whole, _ = kinds_of_rows(program)
+    ends = np.maximum(np.abs(program.lower), np.abs(program.upper))
+    largest = np.where(np.isfinite(ends), ends, 0.0)
     weight: dict[int, Fraction] = {}
     rounded: dict[int, Fraction] = {}
     spare, loose = Fraction(0), Fraction(0)
@@ -234,7 +236,9 @@ def _asks_too_much(program: Program, ray: list[Fraction]) -> bool:
             return False
         spare += ray[i] * Fraction(float(side))
         if not whole[i]:
-            loose += abs(ray[i]) * abs(Fraction(float(side)))
+            entries = slice(matrix.indptr[i], matrix.indptr[i + 1])
+            terms = np.abs(matrix.data[entries]) @ largest[matrix.indices[entries]]
+            loose += abs(ray[i]) * Fraction(max(abs(float(side)), float(terms)))
         for k in range(matrix.indptr[i], matrix.indptr[i + 1]):
             j = int(matrix.indices[k])
             term = ray[i] * Fraction(float(matrix.data[k]))

@@ -6,9 +6,9 @@ Members are rows and single bounds of variables; that a variable is integer is t
 The set is found by a deletion filter (Chinneck, *Feasibility and Infeasibility in Optimization*, 2008,
 ch. 6): whatever the others conflict without is dropped. It tries all rows at once, and halves what it
 cannot drop, between two labels where it can. So each member of the result has been left out alone,
-and the others had a point. Where already the LP relaxation is infeasible, it starts from the conflict
-that HiGHS finds in an elastic program, and needs linear programs only. (HiGHS can make that conflict
-irreducible by itself, in many times the time.)
+and the others had a point. Where already the LP relaxation is infeasible, it starts from what has a part
+in the Farkas multipliers of HiGHS, and needs linear programs only. (HiGHS has an irreducible conflict of
+its own, ``getIis``, which takes many times the time, and crashes now and then.)
 """
 
 from __future__ import annotations
@@ -36,6 +36,8 @@ from .solvers.base import refuse_dropped
 NODES = 1_000
 """Branch-and-bound nodes to try one deletion: without its bounds an integer program may need
 infinitely many. Where they do not suffice, the member stays."""
+TINY = 1e-9
+"""Share of its terms up to which a multiplier, or what multipliers leave of a column, is rounding."""
 
 
 @dataclass(frozen=True)
@@ -140,9 +142,9 @@ def _explained(program: Program, options: Options, deadline: float, name: str) -
         what = "integer" if integrality else "linear"
         method = f"deletion filter with {what} programs"
         if not integrality:
-            found = system.conflict_by_highs()
+            found = system.conflict_by_multipliers()
             if system.is_infeasible(found):
-                conflict, method = found, f"elastic program of HiGHS, then {method}"
+                conflict, method = found, f"Farkas multipliers, then {method}"
         conflict, irreducible = _filtered(system, conflict)
         if system.certifies(conflict):
             return _explanation(
@@ -194,7 +196,7 @@ class _System:
         if self.time_is_up:
             return None
         self._restrict(members)
-        self._set_time_limit("time_limit")
+        self._highs.setOptionValue("time_limit", max(self.deadline - time.perf_counter(), 0.0))
         self._highs.setOptionValue("mip_max_nodes", 2**31 - 1 if nodes is None else nodes)
         self._highs.run()
         status = self._highs.getModelStatus()
@@ -239,23 +241,17 @@ class _System:
         limit = min(max(left, 0.0), 30.0)
         return other.solve(part, Options(time_limit=limit)).status in ("infeasible", "no_solution")
 
-    def conflict_by_highs(self) -> Bools:
-        """The members that HiGHS takes to be infeasible, not verified and not all needed."""
-        import highspy
-
-        sides = highspy.IisBoundStatus
-        self._restrict(self.everything)
-        self._highs.setOptionValue("iis_strategy", int(highspy.IisStrategy.kIisStrategyFromLp))
-        self._set_time_limit("iis_time_limit")
-        _, found = self._highs.getIis()
-        members = np.zeros_like(self.everything)
-        members[found.row_index_] = True
-        n_rows, n_columns = self.program.n_rows, self.program.n_columns
-        for column, side in zip(found.col_index_, found.col_bound_, strict=True):
-            both = side == int(sides.kIisBoundStatusBoxed)
-            members[n_rows + column] = both or side == int(sides.kIisBoundStatusLower)
-            members[n_rows + n_columns + column] = both or side == int(sides.kIisBoundStatusUpper)
-        return members & self.everything
+    def conflict_by_multipliers(self) -> Bools:
+        """The members with a part in Farkas multipliers, not verified and not all needed."""
+        left = max(self.deadline - time.perf_counter(), 0.0)
+        options = Options(time_limit=left if np.isfinite(left) else None)
+        ray = highs.infeasible_ray(self.program, options)
+        if ray is None:
+            return np.zeros_like(self.everything)
+        matrix = self.program.matrix
+        parts, weight = abs(matrix).T @ np.abs(ray), np.abs(matrix.T @ ray)
+        rows, bounds = np.abs(ray) > TINY * np.abs(ray).max(), weight > TINY * parts
+        return np.concatenate([rows, bounds, bounds]) & self.everything
 
     def _restrict(self, members: Bools) -> None:
         program = self.program
@@ -272,9 +268,6 @@ class _System:
             np.where(lower, program.lower, -np.inf),
             np.where(upper, program.upper, np.inf),
         )
-
-    def _set_time_limit(self, option: str) -> None:
-        self._highs.setOptionValue(option, max(self.deadline - time.perf_counter(), 0.0))
 
 
 def _filtered(system: _System, conflict: Bools) -> tuple[Bools, bool]:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 BRACES = re.compile(r"\{([^{}]*)\}")
 TIGHTENED_FROM = 1e4
 """Size of a coefficient from which it is looked at as a big M."""
+ROUNDING = 1e-12
+"""How far a row may be missed by the rounding of its own decimals, relative to its terms."""
 Sense = Literal["min", "max"]
 
 
@@ -143,6 +145,7 @@ class Program:
         that makes it tight, if the others cannot reach that far; a is then reduced by how far they
         miss it (Savelsbergh 1994), with the same integer points. Only coefficients that become a
         thousandth of themselves or less are touched: those that a tolerance could slip through.
+        The side of a row of decimals keeps the rounding that it had, relative to the larger terms.
         """
         matrix = self.matrix
         size = np.abs(matrix.data)
@@ -158,6 +161,9 @@ class Program:
             sign = 1.0 if np.isfinite(upper[row]) else -1.0
             entries = np.arange(matrix.indptr[row], matrix.indptr[row + 1])
             columns = matrix.indices[entries]
+            numbers = [*data[entries], lower[row] if sign < 0 else upper[row]]
+            is_whole = self.integer[columns].all() and not np.mod(numbers, 1).any()
+            rounding = Fraction(0 if is_whole else ROUNDING)
             for k, column in zip(entries, columns, strict=True):
                 others = columns != column
                 weight = sign * data[entries][others]
@@ -184,7 +190,8 @@ class Program:
                 new = a - spare if a > 0 else a + spare
                 if spare <= 0 or (new < 0) == (a > 0) or abs(new) * 1000 > abs(a):
                     continue
-                side += (new - a) * Fraction(float(end))
+                far = Fraction(float(end))
+                side += (new - a) * far + rounding * max(abs(side), abs(a * far))
                 data[k] = sign * float(new)
                 (upper if sign > 0 else lower)[row] = sign * float(side)
         tight = matrix.copy()

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats
-from .check import ROUNDING, kinds_of_rows
-from .program import Program
+from .check import kinds_of_rows
+from .program import ROUNDING, Program
 
 FEW = 2**14
 """Points that are looked at in some milliseconds."""

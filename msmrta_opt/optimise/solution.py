@@ -22,7 +22,7 @@ Status = Literal[
     "no_solution",  # stopped without one
     "infeasible",  # proven
     "unbounded",  # proven
-    "claimed",  # an optimum by one solver's word, of numbers of very different size
+    "claimed",  # an optimum by a solver's word alone, of numbers of very different size
     "contradicted",  # a solver's word that a checked point refutes; see the message
     "error",  # see the message
     "skipped",  # not attempted; see the message

@@ -8,6 +8,7 @@ point refutes is a contradiction, and is shown as one.
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +26,7 @@ from .solvers.highs import infeasible_ray
 
 PROVED = ("optimal", "feasible", "infeasible", "claimed")
 """Statuses of which an outcome may say how they are proved."""
+VERY_DIFFERENT = "coefficients of very different size"
 
 
 @dataclass
@@ -67,14 +69,18 @@ class Verifier:
             return name, self._against(truth, name, outcome, own=own)
         if outcome.status == "infeasible":
             return self._certified(name, outcome, own=own)
-        if own and outcome.status == "optimal" and is_badly_scaled(self.tight):
-            return self._agreed(name, outcome)
+        if outcome.status not in ("optimal", "feasible") or outcome.x is None:
+            return name, outcome
+        if not self._holds(outcome.x):
+            return self._another(name, outcome) if own else (name, outcome)
+        if outcome.status == "optimal" and outcome.duals is None and is_badly_scaled(self.tight):
+            return self._agreed(name, outcome) if own else (name, self._claimed(name, outcome))
         return name, outcome
 
-    def _left(self, atleast: float = 0.0) -> Options:
+    def _left(self) -> Options:
         left = self.options.time_limit
         if left is not None:
-            left = max(left - (time.perf_counter() - self.began), atleast)
+            left = max(left - (time.perf_counter() - self.began), 0.0)
         return replace(self.options, time_limit=left, start=None)
 
     def look_at(self, x: Floats) -> Point:
@@ -173,22 +179,27 @@ class Verifier:
             if self._holds(second.x):
                 said = f"{name} calls it infeasible, but {other} has a feasible point"
                 if own or other == name:
-                    return other, replace(second, message=said)
+                    second = replace(second, message=said)
+                    if second.status == "optimal" and is_badly_scaled(self.tight):
+                        second = replace(second, status="claimed")
+                    return other, second
                 return name, Outcome("contradicted", message=said)
             if second.status == "infeasible":
                 agree.append(f"{other} without presolve" if other == name else other)
             if agree and agree[-1] != f"{name} without presolve":
                 break
-        if agree:
-            return name, replace(outcome, proof=f"{name}, and {' and '.join(agree)}")
-        return name, Outcome("no_solution", message=f"{name} alone claims that it is infeasible")
+        if not agree:
+            return name, Outcome(
+                "no_solution", message=f"{name} alone claims that it is infeasible"
+            )
+        who = f"{name}, and {' and '.join(agree)}"
+        if is_badly_scaled(self.tight):
+            said = f"claimed to be infeasible by {who}: {VERY_DIFFERENT}"
+            return name, Outcome("no_solution", message=said)
+        return name, replace(outcome, proof=who)
 
-    def _agreed(self, name: str, outcome: Outcome) -> tuple[str, Outcome]:
-        """An optimum of numbers of very different size, with a second solver's opinion."""
-        if outcome.x is None or outcome.bound is None:
-            return name, outcome
-        value, sign = self.program.value(settled(self.program, outcome.x)), self.program.sign
-        slack = 1e-6 * max(scaling(self.program).unit, abs(value - self.program.offset))
+    def _second_opinions(self, name: str) -> Iterator[tuple[str, Outcome]]:
+        """Other solvers, and what each of them says with a point that holds."""
         limit = max(10.0, 10 * (time.perf_counter() - self.began))
         for other in _others(name, self.program):
             options = self._left()
@@ -197,7 +208,25 @@ class Verifier:
                 second = self._repaired(get(other).solve(self.tight, options))
             except SolverError:
                 continue
-            if not self._holds(second.x) or second.x is None or second.status != "optimal":
+            if self._holds(second.x) and second.status in ("optimal", "feasible"):
+                yield other, second
+
+    def _another(self, name: str, outcome: Outcome) -> tuple[str, Outcome]:
+        """Another solver's outcome where a point does not hold, if there is one."""
+        for other, second in self._second_opinions(name):
+            said = f"the point of {name} is not feasible; claimed by {other} alone"
+            status = "claimed" if second.status == "optimal" else second.status
+            return other, replace(second, status=status, message=said)
+        return name, outcome
+
+    def _agreed(self, name: str, outcome: Outcome) -> tuple[str, Outcome]:
+        """An optimum of numbers of very different size, with a second solver's opinion."""
+        if outcome.x is None or outcome.bound is None:
+            return name, outcome
+        value, sign = self.program.value(settled(self.program, outcome.x)), self.program.sign
+        slack = 1e-6 * max(scaling(self.program).unit, abs(value - self.program.offset))
+        for other, second in self._second_opinions(name):
+            if second.x is None or second.status != "optimal":
                 continue
             theirs = self.program.value(settled(self.program, second.x))
             if abs(theirs - value) <= slack:
@@ -206,8 +235,11 @@ class Verifier:
             if sign * (theirs - value) < 0:
                 return other, replace(second, status="claimed", message=said)
             return name, replace(outcome, status="claimed", message=said)
-        said = "claimed by one solver: coefficients of very different size"
-        return name, replace(outcome, status="claimed", message=said)
+        return name, self._claimed(name, outcome)
+
+    def _claimed(self, name: str, outcome: Outcome) -> Outcome:
+        said = f"claimed by {name} alone: {VERY_DIFFERENT}"
+        return replace(outcome, status="claimed", message=said)
 
 
 def _others(name: str, program: Program) -> list[str]:

@@ -301,7 +301,7 @@ def test_the_text_names_every_kind_of_member_and_counts_many_of_a_kind() -> None
         "  x[0] ≤ 1",
         "  x[1] ≤ 1",
         "  … and 7 more like these",
-        "Found by: elastic program of HiGHS, then deletion filter with linear programs.",
+        "Found by: Farkas multipliers, then deletion filter with linear programs.",
     ]
     halves = explain_program(program([[2]], 1, 1, row_lower=[1]), name="trial").text.splitlines()
     assert halves == [
@@ -360,7 +360,7 @@ def test_a_bound_that_cannot_be_decided_stays_and_is_admitted() -> None:
 def test_a_conflict_of_highs_that_is_none_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
     trial = program([[1, 1], [1, 0]], INF, 1, row_lower=[3, 0])
     monkeypatch.setattr(
-        module._System, "conflict_by_highs", lambda system: np.zeros_like(system.everything)
+        module._System, "conflict_by_multipliers", lambda system: np.zeros_like(system.everything)
     )
     found = explain_program(trial)
     assert found.rows == ("row 0",)
