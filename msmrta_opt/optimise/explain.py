@@ -24,7 +24,7 @@ import numpy as np
 
 from ..arrays import Bools, Ints
 from ..interruption import interrupted, interruptible
-from .check import proves_infeasible, settled, violations
+from .check import is_badly_scaled, proves_infeasible, settled, violations
 from .compile import compile_for
 from .program import Program
 from .registry import Formulation
@@ -234,6 +234,8 @@ class _System:
         truth = settle(part)
         if truth is not None:
             return truth.x is None
+        if is_badly_scaled(part):
+            return False
         other = solvers()["scip"]
         if not other.installed:
             return True
