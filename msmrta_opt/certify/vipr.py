@@ -27,6 +27,7 @@ constraints are unique is not checked: constraints are referred to by index.
 from __future__ import annotations
 
 import math
+import os
 import sys
 import time
 from dataclasses import dataclass, field, replace
@@ -553,8 +554,10 @@ def verify(path: str) -> Certificate:
     RefusedError
         If it does not prove what it claims, with the line at which it fails.
     OSError
-        If the file cannot be read.
+        If the file cannot be read, or is not a regular one: a pipe may never end.
     """
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise OSError(0, "not a regular file")
     digits = sys.get_int_max_str_digits()
     sys.set_int_max_str_digits(0)  # longer numbers than `MOST_DIGITS` are refused before
     try:

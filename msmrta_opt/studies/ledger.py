@@ -12,6 +12,7 @@ from __future__ import annotations
 import platform
 import shutil
 import sqlite3
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -23,6 +24,7 @@ from typing import Any, Self
 
 import psutil
 
+from ..interruption import interrupted
 from ..mission.errors import InputError
 from .missions import Known, Mission
 from .record import Record, kinds_of_fields, record_of
@@ -31,6 +33,8 @@ LAYOUT = 2
 """Of the database, in its ``user_version``; layout 1 had a column for each metric."""
 PATIENCE_SECONDS = 60.0
 """How long a transaction waits for another process's."""
+LAST_SECONDS = 1.0
+"""The same once the user has asked for an end."""
 POLL_SECONDS = 0.1
 """How often it tries; SQLite's own waiting would let no Ctrl-C through."""
 SQL_TYPES = {str: "TEXT", int: "INTEGER", float: "REAL"}
@@ -100,10 +104,13 @@ class Ledger:
                 self._copy.cleanup()
 
     def add(self, record: Record) -> None:
-        """Keep a finished run, for good; one of the same key is replaced only if it had failed."""
+        """Keep a finished run, for good; one of the same key is replaced only if it had failed.
+
+        It would be lost otherwise, so this waits for a lock until there is none, or an interruption.
+        """
         columns = [item.name for item in fields(Record)]
         names, marks = ", ".join(f'"{name}"' for name in columns), ", ".join("?" for _ in columns)
-        with self._transaction():
+        with self._transaction(must=True):
             self._execute("DELETE FROM runs WHERE key = ? AND outcome != 'finished'", (record.key,))
             self._execute(f"INSERT OR IGNORE INTO runs ({names}) VALUES ({marks})", astuple(record))
             self._execute("DELETE FROM claims WHERE key = ?", (record.key,))
@@ -232,9 +239,10 @@ class Ledger:
         self._layout()
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
+    def _transaction(self, *, must: bool = False) -> Iterator[None]:
         with self._explained():
-            self._execute("BEGIN IMMEDIATE")
+            said = f"{self.path}: locked by another program; a result waits until it can be kept"
+            _patiently(lambda: self._database.execute("BEGIN IMMEDIATE"), said if must else "")
             try:
                 yield
                 self._execute("COMMIT")
@@ -265,15 +273,20 @@ def _connected(path: Path, mode: str = "") -> sqlite3.Connection:
     return database
 
 
-def _patiently(ask: Callable[[], sqlite3.Cursor]) -> sqlite3.Cursor:
-    """Ask until nobody else holds the lock."""
-    began = time.monotonic()
+def _patiently(ask: Callable[[], sqlite3.Cursor], if_long: str = "") -> sqlite3.Cursor:
+    """Ask until nobody else holds the lock, and for ever once `if_long` has been said."""
+    began, said = time.monotonic(), False
     while True:
         try:
             return ask()
         except sqlite3.OperationalError as error:
-            if _code(error) != sqlite3.SQLITE_BUSY or time.monotonic() - began > PATIENCE_SECONDS:
+            patience = LAST_SECONDS if interrupted() else PATIENCE_SECONDS
+            is_long = time.monotonic() - began > patience
+            if _code(error) != sqlite3.SQLITE_BUSY or (is_long and (interrupted() or not if_long)):
                 raise
+        if is_long and not said:
+            said = True
+            print(if_long, file=sys.stderr, flush=True)
         time.sleep(POLL_SECONDS)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tracemalloc
@@ -360,6 +361,15 @@ def test_the_checker_is_a_program_that_needs_nothing_but_python(tmp_path: Path) 
     assert f"{bad}: refused: line 14: " in both.stdout
     assert run(tmp_path / "none.vipr").returncode == 2
     assert "usage" in run().stderr
+
+
+def test_what_is_not_a_regular_file_is_not_opened(tmp_path: Path) -> None:
+    """Nobody writes to the pipe: opening it would wait for ever."""
+    pipe = tmp_path / "pipe.vipr"
+    os.mkfifo(pipe)
+    for path in (pipe, tmp_path):
+        with pytest.raises(OSError, match="not a regular file"):
+            vipr.verify(str(path))
 
 
 def test_the_checker_is_under_six_hundred_lines() -> None:

@@ -268,13 +268,45 @@ def test_a_lock_that_is_held_for_long_is_said_so_and_nothing_is_lost(
         holder = sqlite3.connect(path, isolation_level=None)
         holder.execute("BEGIN EXCLUSIVE")
         with pytest.raises(InputError, match="is locked by another program"):
-            ledger.add(replace(RECORD, key="other"))
-        with pytest.raises(InputError, match="is locked by another program"):
             ledger.claim("other")
         holder.execute("ROLLBACK")
         holder.close()
         ledger.add(replace(RECORD, key="other"))
         assert [record.key for record in ledger.records()] == ["k", "other"]
+
+
+def test_a_result_waits_for_a_lock_however_long_and_says_so_once(
+    path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(ledger_module, "PATIENCE_SECONDS", -1.0)
+    with Ledger(path) as ledger:
+        holder = sqlite3.connect(path, isolation_level=None)
+        holder.execute("BEGIN EXCLUSIVE")
+        waits = iter(range(5))
+
+        def until_the_fifth(_: float) -> None:
+            if next(waits) == 4:
+                holder.execute("ROLLBACK")
+
+        monkeypatch.setattr(ledger_module.time, "sleep", until_the_fifth)
+        ledger.add(RECORD)
+        holder.close()
+        assert ledger.get("k") == RECORD
+    said = capsys.readouterr().err
+    assert said == f"{path}: locked by another program; a result waits until it can be kept\n"
+
+
+def test_an_interruption_ends_the_waiting_of_a_result(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ledger_module, "LAST_SECONDS", -1.0)
+    with Ledger(path) as ledger:
+        holder = sqlite3.connect(path, isolation_level=None)
+        holder.execute("BEGIN EXCLUSIVE")
+        monkeypatch.setattr(ledger_module, "interrupted", lambda: True)
+        with pytest.raises(InputError, match="is locked by another program"):
+            ledger.add(RECORD)
+        holder.close()
 
 
 def test_a_lock_that_is_given_back_in_time_is_waited_for(path: Path) -> None:
