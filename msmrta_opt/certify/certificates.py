@@ -115,7 +115,7 @@ def _recheck(plan: Plan, joint: Joint, certificate: Certificate) -> Recheck:
                 proved = max(proved, pricing_bound(joint, proof, value))
     except CheckError as error:
         return Recheck(certificate, value, None, problems=(*problems, str(error)))
-    proved = joint.up(proved, objective)
+    proved = joint.up(proved, objective, value)
     if not stored and certificate.proof != "combinatorial":
         problems.append(f"nothing is stored that proves a bound by {certificate.proof}")
     for proof in stored:

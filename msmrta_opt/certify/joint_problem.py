@@ -229,23 +229,32 @@ class Joint:
         """What plans' values differ by: multiples of this; 0 if they do not differ."""
         return greatest_common_divisor(self._times(objective)) * self._weight(objective)
 
-    def up(self, bound: Fraction, objective: str) -> Fraction:
-        """The smallest value from `bound` on that `objective` can take, as far as that is known.
+    def up(self, bound: Fraction, objective: str, value: Fraction) -> Fraction:
+        """The smallest from `bound` on that plans no worse than `value` can be worth, or `value`.
 
-        Values are multiples of the step. They are also multiples of the step of all but tiny times,
-        and what these add to them, which may tell more.
+        They are worth multiples of the step of all times that are short enough to be in one of them.
+        They are also multiples of the step of all but tiny times, and what these add to them, which may
+        tell more.
         """
-        offset, step = self.offset(objective), self.step(objective)
-        if not step:
-            return max(bound, offset)
-        exactly = offset + step * math.ceil((bound - offset) / step)
+        offset, weight = self.offset(objective), self._weight(objective)
+        longest = self._longest(objective, value)
+        times = [time for time in self._times(objective) if time <= longest]
         tiny = bound * TINY
-        rest = [time for time in self._times(objective) if time > tiny]
-        step = greatest_common_divisor(rest) * self._weight(objective)
-        if not step:
-            return exactly
-        more = self._from_tiny(objective, tiny)
-        return max(exactly, offset + step * math.ceil((bound - more - offset) / step))
+        found = bound
+        for some, more in (
+            (times, Fraction(0)),
+            ([time for time in times if time > tiny], self._from_tiny(objective, tiny)),
+        ):
+            if step := greatest_common_divisor(some) * weight:
+                found = max(found, offset + step * math.ceil((bound - more - offset) / step))
+        return max(bound, min(found, value))
+
+    def _longest(self, objective: str, value: Fraction) -> Fraction:
+        """No longer time adds to what a plan is worth that is no worse than `value`."""
+        if objective == "total_time":
+            return value - self.offset(objective)
+        weights = [weight for weight in self.priority.values() if weight > 0]
+        return value / min(weights) if objective == "latency" and weights else value
 
     def _from_tiny(self, objective: str, tiny: Fraction) -> Fraction:
         """What times up to `tiny` add to the value of any plan at the maximum."""

@@ -71,26 +71,40 @@ def test_what_a_robot_cannot_serve_alone_within_its_limits_is_left_out(
 def test_bounds_are_rounded_up_to_possible_values(corridor: Instance) -> None:
     """Moves take 1: total time is 4 and a whole number more; of service 2 the makespan, too."""
     found = joint(corridor)
-    assert found.up(Fraction(4), "total_time") == 4
-    assert found.up(Fraction("8.001"), "total_time") == 9
-    assert found.up(Fraction("8.001"), "makespan") == 9
-    assert found.up(Fraction(-7), "total_time") == -7
+    assert found.up(Fraction(4), "total_time", Fraction(99)) == 4
+    assert found.up(Fraction("8.001"), "total_time", Fraction(99)) == 9
+    assert found.up(Fraction("8.001"), "makespan", Fraction(99)) == 9
+    assert found.up(Fraction(-7), "total_time", Fraction(99)) == -7
     only = corridor.replace(victims=(corridor.victims[1],))
-    assert joint(only).up(Fraction("2.1"), "total_time") == 5  # 2 of service, 3 of way or nothing
+    # 2 of service, 3 of way or nothing.
+    assert joint(only).up(Fraction("2.1"), "total_time", Fraction(99)) == 5
+
+
+def test_times_that_are_too_long_for_plans_as_good_do_not_keep_bounds_from_being_rounded_up(
+    corridor: Instance,
+) -> None:
+    """The slow robot moves a cell in 1000.3; plans worth 99 do not have it move."""
+    slow = corridor.robots[0].model_copy(update={"id": 77, "speed": 1 / 1000.3})
+    found = joint(corridor.replace(robots=(*corridor.robots, slow)))
+    for objective in ("total_time", "makespan"):
+        assert found.up(Fraction("8.001"), objective, Fraction(99)) == 9
+        assert found.up(Fraction("8.95"), objective, Fraction(99)) == 9
+        assert found.up(Fraction("8.001"), objective, Fraction(9999)) == Fraction("8.1")
+    assert found.up(Fraction("8.95"), "makespan", Fraction("8.96")) == Fraction("8.96")
 
 
 def test_tiny_times_do_not_keep_bounds_from_being_rounded_up(corridor: Instance) -> None:
     """Services of 1e-9: the makespan is a whole number of moves, and up to 2e-9 more."""
     tiny = joint(corridor.replace(service_time={"FirstAids": 1e-9}))
     assert tiny.step("makespan") == Fraction(1, 10**9)
-    assert tiny.up(Fraction("4.3"), "makespan") == 5
-    assert tiny.up(Fraction(5), "makespan") == 5
-    assert tiny.up(Fraction("5.000000001"), "makespan") == Fraction("5.000000001")
-    assert tiny.up(Fraction("5.0000000011"), "makespan") == Fraction("5.000000002")
-    assert tiny.up(Fraction("5.0000000031"), "makespan") == 6
+    assert tiny.up(Fraction("4.3"), "makespan", Fraction(99)) == 5
+    assert tiny.up(Fraction(5), "makespan", Fraction(99)) == 5
+    assert tiny.up(Fraction("5.000000001"), "makespan", Fraction(99)) == Fraction("5.000000001")
+    assert tiny.up(Fraction("5.0000000011"), "makespan", Fraction(99)) == Fraction("5.000000002")
+    assert tiny.up(Fraction("5.0000000031"), "makespan", Fraction(99)) == 6
     # In latency, each of two victims is complete up to 2e-9 after a whole number.
-    assert tiny.up(Fraction("5.0000000039"), "latency") == Fraction("5.000000004")
-    assert tiny.up(Fraction("5.0000000041"), "latency") == 6
+    assert tiny.up(Fraction("5.0000000039"), "latency", Fraction(99)) == Fraction("5.000000004")
+    assert tiny.up(Fraction("5.0000000041"), "latency", Fraction(99)) == 6
 
 
 def test_each_requirement_alone_is_a_bound(corridor: Instance) -> None:
