@@ -1,8 +1,8 @@
 """What is believed of a solver's claim.
 
 Solvers certify falsehoods now and then. Few points are all looked at; an infeasibility needs Farkas
-multipliers or a second opinion, and so does an optimum of numbers of very different size. What a checked
-point refutes is a contradiction, and is shown as one.
+multipliers or a second opinion. Of numbers of very different size an optimum is a claim, whoever agrees.
+What a checked point refutes is a contradiction, and is shown as one.
 """
 
 from __future__ import annotations
@@ -69,12 +69,17 @@ class Verifier:
             return name, self._against(truth, name, outcome, own=own)
         if outcome.status == "infeasible":
             return self._certified(name, outcome, own=own)
+        if outcome.status == "unbounded" and self._has_bounds():
+            said = f"{name} calls it unbounded, but all variables with a cost have bounds"
+            return name, Outcome("contradicted", message=said)
         if outcome.status not in ("optimal", "feasible") or outcome.x is None:
             return name, outcome
         if not self._holds(outcome.x):
             return self._another(name, outcome) if own else (name, outcome)
         if outcome.status == "optimal" and outcome.duals is None and is_badly_scaled(self.tight):
-            return self._agreed(name, outcome) if own else (name, self._claimed(name, outcome))
+            if own:
+                return self._compared(name, outcome)
+            return name, self._claimed(f"{name} alone", outcome)
         return name, outcome
 
     def _left(self) -> Options:
@@ -91,6 +96,12 @@ class Verifier:
 
     def _holds(self, x: Floats | None) -> bool:
         return x is not None and not self.look_at(x).wrong
+
+    def _has_bounds(self) -> bool:
+        """Whether the bounds alone keep the objective from being unbounded."""
+        cost = self.program.sign * self.program.cost
+        ends = np.where(cost > 0, self.program.lower, self.program.upper)
+        return bool(np.isfinite(ends[cost != 0]).all())
 
     def _repaired(self, outcome: Outcome) -> Outcome:
         """The outcome with integers made whole, and then what is continuous solved again."""
@@ -219,8 +230,11 @@ class Verifier:
             return other, replace(second, status=status, message=said)
         return name, outcome
 
-    def _agreed(self, name: str, outcome: Outcome) -> tuple[str, Outcome]:
-        """An optimum of numbers of very different size, with a second solver's opinion."""
+    def _compared(self, name: str, outcome: Outcome) -> tuple[str, Outcome]:
+        """An optimum of numbers of very different size, with a second solver's opinion.
+
+        Two may be wrong alike, so that it stays a claim.
+        """
         if outcome.x is None or outcome.bound is None:
             return name, outcome
         value, sign = self.program.value(settled(self.program, outcome.x)), self.program.sign
@@ -230,15 +244,15 @@ class Verifier:
                 continue
             theirs = self.program.value(settled(self.program, second.x))
             if abs(theirs - value) <= slack:
-                return name, replace(outcome, proof=f"{outcome.proof}; {other} agrees")
+                return name, self._claimed(f"{name} and {other}", outcome)
             said = f"{name} claims {value:g}, {other} {theirs:g}"
             if sign * (theirs - value) < 0:
                 return other, replace(second, status="claimed", message=said)
             return name, replace(outcome, status="claimed", message=said)
-        return name, self._claimed(name, outcome)
+        return name, self._claimed(f"{name} alone", outcome)
 
-    def _claimed(self, name: str, outcome: Outcome) -> Outcome:
-        said = f"claimed by {name} alone: {VERY_DIFFERENT}"
+    def _claimed(self, who: str, outcome: Outcome) -> Outcome:
+        said = f"claimed by {who}: {VERY_DIFFERENT}"
         return replace(outcome, status="claimed", message=said)
 
 
