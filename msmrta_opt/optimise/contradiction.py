@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Bools, Floats
-from .check import ROUNDING, TOLERANCE
-from .program import Program
+from .check import TOLERANCE
+from .program import ROUNDING, Program
 
 BY_HAND = "a contradiction within one row or pair of bounds"
 """How such an infeasibility is told to be proved."""

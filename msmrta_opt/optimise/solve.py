@@ -18,10 +18,10 @@ from ..arrays import Floats
 from ..interruption import interruptible
 from ..mission.errors import InputError, UnsupportedError
 from .by_structure import BY_MATRIX, solve_by_structure
-from .check import ROUNDING, TIGHT, TOLERANCE, Point, dual_bound, settled, violations
+from .check import TIGHT, TOLERANCE, Point, dual_bound, settled, violations
 from .compile import compile_for, parameter_values
 from .contradiction import BY_HAND, contradiction
-from .program import Program
+from .program import ROUNDING, Program
 from .registry import Formulation
 from .scaling import scaling
 from .solution import Solution
