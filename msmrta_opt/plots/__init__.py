@@ -5,22 +5,23 @@ returns the axes; `plot_mission` composes them and returns the figure. Figures m
 the caller alone: pyplot does not know them, no global setting changes, no display is needed. In a
 notebook, what these functions return shows itself as the last value of a cell.
 
-Panels: `scouting`, `assignment`, `paths`, `gantt`, `mission` with all of
-them, `two_plans`. What they share:
-`figure`, `canvas` (the map), `marks` and `clusters` on it, `legends`, `lettering` (any name as it is
-written), `style` (what stands for what), `saving`.
+Panels: `scouting` and `coverage`, `assignment`, `paths`, `gantt`, and `mission` with all of them and a
+`key`; `two_plans` beside each other. On a map, a `canvas`, stand `marks` that `placing` keeps apart,
+`walks` and `clusters`, or the `overview` of a large mission. What all share: `figure`, `legends`,
+`titles`, `lettering` (any name as it is written), `style` (what stands for what), `saving`.
 
-A robot keeps its colour in every picture (`robot_colour`). Names on the pictures are short: R0 is the
-robot with id 0, S0 a scout, v0 a victim, C0 a cluster.
+A robot keeps its colour in every picture (`robot_colour`), and red means unserved or unfound. Names on
+the pictures are short: R0 is the robot with id 0, S0 a scout, C0 a cluster; a disc holds a victim's id.
 """
 
 from .assignment import plot_assignment
 from .canvas import plot_map
+from .coverage import plot_coverage
 from .gantt import plot_gantt
 from .mission import plot_mission
 from .paths import plot_paths
 from .saving import FORMATS, save_figure
-from .scouting import plot_coverage, plot_scouting
+from .scouting import plot_scouting
 from .style import robot_colour
 from .two_plans import plot_two_plans
 

@@ -9,20 +9,22 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from ..mission.plan import Plan
-from .canvas import Scale, map_axes, plot_map
-from .clusters import draw_centres, draw_outlines
+from .canvas import Scale, is_large, map_axes, plot_map
+from .clusters import draw_centres, draw_outlines, govern
 from .legends import legend_below, mark_handle, robot_handles
 from .lettering import as_written, shortened
-from .marks import Stamp, captions_of, draw_stamps, start_stamp, visit_stamp
-from .style import FAINT, INK, REASONS, STAGES, robot_styles, stage_shapes
+from .marks import Group, disc_of, draw_groups, start_of, unserved_victims, visit_badges, weights_of
+from .overview import draw_victims
+from .style import DEFERRED, FAINT, MISSED, REASONS, STAGES, robot_styles, stage_shapes
 
 
 @as_written
 def plot_assignment(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) -> Axes:
-    """Draw the clusters and, at each victim, one mark per robot that serves it and stage.
+    """Draw each victim with a badge per robot that serves it and stage, and the clusters.
 
-    A mark's colour and number are the robot's, its shape is the stage's; what stays unserved is
-    marked by its reason. Clusters have the colour of the robot that took them, grey if none did.
+    A badge's colour and number are the robot's, its shape is the stage's. Clusters are outlined in
+    the colour of the robot that took them, grey if none did, as long as they say who serves whom. A
+    red ring is around each victim of whom something stays unserved.
 
     Parameters
     ----------
@@ -31,82 +33,84 @@ def plot_assignment(plan: Plan, ax: Axes | None = None, *, robot_key: bool = Tru
     ax : Axes, optional
         Where to draw; a figure of its own by default.
     robot_key : bool
-        Whether the legend lists the robots.
+        Whether the legend lists the robots and what else is said of the mission in other panels.
 
     Returns
     -------
     Axes
         Column on x and row on y, in cells.
     """
-    instance = plan.instance
+    instance, large = plan.instance, is_large(plan.instance)
     if ax is None:
-        lines = 8 + instance.n_robots * robot_key
-        ax = map_axes(instance.map, crowded=instance.n_victims > 50, lines=lines)
+        ax = map_axes(instance, lines=10 + instance.n_robots // 3)
     plot_map(instance.map, ax)
-    ax.set_title(f"Assignment\n{_summary(plan)}", fontsize=10)
-    scale, styles = Scale.of(ax, instance.map), robot_styles(instance)
-    cell_of = {victim.id: victim.cell for victim in instance.victims}
-
-    marks = _visits(plan) + _unserved(plan)
-    marked = {mark.cell for mark in marks}
-    idle = [Stamp(cell, "white", marker="o") for cell in cell_of.values() if cell not in marked]
-    starts = [start_stamp(r.start, r.id, styles[r.id]) for r in instance.robots]
-    draw_outlines(ax, plan)
-    taken = draw_stamps(ax, [*starts, *marks, *idle], captions_of(cell_of), scale)
-    draw_centres(ax, plan, scale, taken)
-    deferred = [cell_of[victim] for cluster in plan.clusters for victim in cluster.deferred]
-    for row, col in deferred:
-        size = max(1.1 * scale.cell, 2.2 * scale.mark)
-        ax.plot(col, row, "o", ms=size, mfc="none", mec=INK, mew=0.9, zorder=5)
-
-    handles = _handles(plan, idle=bool(idle), deferred=bool(deferred))
+    ax.set_title(f"Assignment\n{served_text(plan)}", fontsize=9.5)
+    scale, styles, shapes = Scale.of(ax, instance.map), robot_styles(instance), stage_shapes(plan)
+    if govern(plan):
+        draw_outlines(ax, plan)
+    if large:
+        draw_victims(ax, plan, scale, shapes)
+    else:
+        badges, weights = visit_badges(plan, shapes, styles), weights_of(instance)
+        unserved = unserved_victims(plan)
+        deferred = {victim for cluster in plan.clusters for victim in cluster.deferred}
+        groups = [start_of(r.start, r.id, styles[r.id]) for r in instance.robots]
+        groups += [
+            Group(
+                v.cell,
+                badges.get(v.id, ()),
+                disc_of(v, face=DEFERRED if v.id in deferred else "white"),
+                ring=v.id in unserved,
+                weight=weights[v.id],
+            )
+            for v in instance.victims
+        ]
+        taken = draw_groups(ax, groups, instance.map.shape, scale)
+        if govern(plan):
+            draw_centres(ax, plan, scale, taken)
+    handles = assignment_handles(plan)
     if robot_key:
         handles += robot_handles(styles)
-    marked_by = "shape of a mark: stage; its colour and number: robot" if stage_shapes(plan) else ""
-    legend_below(ax, handles, title=marked_by)
+    legend_below(ax, handles)
     return ax
 
 
-def _summary(plan: Plan) -> str:
+def served_text(plan: Plan) -> str:
+    """How much is served, and how much of what could not be is open."""
     figures = plan.metrics
-    unavailable = figures.n_requirements - figures.n_available
     served = f"{figures.n_served} of {figures.n_available} available requirements served"
-    return f"{served}, {unavailable} unavailable" if unavailable else served
+    unserved = len(plan.unserved)
+    return f"{served}, {unserved} unserved" if unserved else served
 
 
-def _visits(plan: Plan) -> list[Stamp]:
-    """One mark per visit."""
-    styles, shapes = robot_styles(plan.instance), stage_shapes(plan)
-    cell_of = {victim.id: victim.cell for victim in plan.instance.victims}
-    return [
-        visit_stamp(cell_of[visit.victim], route.robot, styles[route.robot], shapes[visit.stage])
-        for route in plan.routes
-        for visit in route.visits
+def unserved_handles(plan: Plan) -> list[Artist]:
+    """What the red ring is, with how many victims and requirements it stands for, by reason."""
+    if not plan.unserved:
+        return []
+    n_victims = len(unserved_victims(plan))
+    counts = Counter(item.reason for item in plan.unserved)
+    ring = mark_handle("o", f"not all served: {_count(n_victims, 'victim')}", face="white")
+    ring.set(markeredgecolor=MISSED, markeredgewidth=2)
+    reasons = [
+        mark_handle("", f"{reason}: {_count(counts[reason], 'requirement')}")
+        for reason in REASONS
+        if counts[reason]
     ]
+    return [ring, *reasons]
 
 
-def _unserved(plan: Plan) -> list[Stamp]:
-    """One mark per victim and reason for which a requirement of it stays unserved."""
-    cell_of = {victim.id: victim.cell for victim in plan.instance.victims}
-    pairs = dict.fromkeys((item.victim, item.reason) for item in plan.unserved)
-    return [Stamp(cell_of[v], INK, marker=REASONS[reason]) for v, reason in pairs]
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" + ("" if number == 1 else "s")
 
 
-def _handles(plan: Plan, *, idle: bool, deferred: bool) -> list[Artist]:
+def assignment_handles(plan: Plan) -> list[Artist]:
+    """Legend entries of the stages and the clusters, and of what stays unserved."""
     handles: list[Artist] = [
         mark_handle(shape, STAGES.get(name, shortened(name)))
         for name, shape in stage_shapes(plan).items()
     ]
-    counts = Counter(item.reason for item in plan.unserved)
-    handles += [
-        mark_handle(marker, f"unserved: {reason} ({counts[reason]})", face=INK)
-        for reason, marker in REASONS.items()
-        if counts[reason]
-    ]
-    if deferred:
-        handles.append(mark_handle("o", "ring: deferred by the wall check", face="none"))
-    if idle:
-        handles.append(mark_handle("o", "victim without a visit", face="white"))
-    if plan.clusters:
+    if any(cluster.deferred for cluster in plan.clusters) and not is_large(plan.instance):
+        handles.append(mark_handle("o", "deferred by the wall check", face=DEFERRED))
+    if govern(plan):
         handles.append(Patch(fc="#E4E4E4", ec=FAINT, label="cluster → robot that took it"))
-    return handles
+    return handles + unserved_handles(plan)

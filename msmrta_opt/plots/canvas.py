@@ -10,29 +10,45 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from ..mission.grid import GridMap
+from ..mission.instance import Instance
 from .figure import own_axes, size_of
 from .lettering import as_written
-from .style import WALL
+from .style import FAINT, WALL, WALL_EDGE
 
 LINE_INCHES = 0.16
 """Of a legend."""
+SMALL_ROBOTS, SMALL_VICTIMS, SMALL_SIDE = 8, 40, 40
+"""Up to so many robots, victims and cells a side, each has marks and names of its own."""
 
 
-def map_axes(grid: GridMap, *, crowded: bool = False, lines: int = 4) -> Axes:
-    """Axes in a new figure that suits `grid`, with room for a legend of so many lines below."""
-    width, height = panel_size(grid, crowded=crowded)
+def is_large(instance: Instance) -> bool:
+    """Whether a mission is drawn as a whole, for its density, and not mark by mark."""
+    n_rows, n_cols = instance.map.shape
+    crowded = instance.n_victims > 0.25 * n_rows * n_cols + 8
+    return (
+        crowded
+        or instance.n_robots > SMALL_ROBOTS
+        or instance.n_victims > SMALL_VICTIMS
+        or max(n_rows, n_cols) > SMALL_SIDE
+    )
+
+
+def map_axes(instance: Instance, *, lines: int = 4) -> Axes:
+    """Axes in a new figure that suits a mission's map, with room for a legend below."""
+    width, height = panel_size(instance.map, 8.0 if is_large(instance) else 6.2)
     return own_axes(width + 0.6, height + 1.0 + LINE_INCHES * lines)
 
 
-def panel_size(grid: GridMap, *, crowded: bool = False) -> tuple[float, float]:
-    """Inches, ``(width, height)``, in which `grid` is legible."""
+def panel_size(grid: GridMap, side: float = 5.6) -> tuple[float, float]:
+    """Inches, ``(width, height)``, of axes that hold `grid`, the longer side `side` long."""
     n_rows, n_cols = grid.shape
     longest = max(n_rows, n_cols)
-    side = float(np.clip(0.25 * longest, 6.0 if crowded else 4.8, 7.0))
     # A strip of a map is not drawn thinner than titles and legends need.
     return max(side * n_cols / longest, 3.4), max(side * n_rows / longest, 1.2)
 
@@ -44,9 +60,9 @@ class Scale:
     cell: float
     """Side of a cell."""
     mark: float
-    """Diameter of a mark."""
+    """Diameter of a victim's disc."""
     font: float
-    """Letters beside marks."""
+    """Letters in and beside marks."""
     line: float
     """Width of a walked line."""
 
@@ -58,9 +74,9 @@ class Scale:
         cell = max(min(width / n_cols, height / n_rows), 0.1)
         return cls(
             cell=cell,
-            mark=float(np.clip(0.48 * cell, 6.5, 10.0)),
-            font=float(np.clip(0.36 * cell, 5.0, 7.5)),
-            line=float(np.clip(0.09 * cell, 0.9, 1.8)),
+            mark=float(np.clip(0.75 * cell, 11.5, 15.0)),
+            font=float(np.clip(0.45 * cell, 7.5, 9.0)),
+            line=float(np.clip(0.14 * cell, 1.5, 2.4)),
         )
 
 
@@ -80,20 +96,50 @@ def plot_map(grid: GridMap, ax: Axes | None = None) -> Axes:
     Axes
         Column on x and row on y, in cells; the cell ``(row, col)`` is centred on ``(col, row)``.
     """
-    ax = map_axes(grid) if ax is None else ax
+    if ax is None:
+        width, height = panel_size(grid)
+        ax = own_axes(width + 0.6, height + 1.0)
     n_rows, n_cols = grid.shape
     ax.imshow(
         ~grid.free, cmap=ListedColormap(["white", WALL]), vmin=0, vmax=1, interpolation="none"
     )
-    if Scale.of(ax, grid).cell > 6:
-        for edges, lines in ((np.arange(1, n_rows), ax.hlines), (np.arange(1, n_cols), ax.vlines)):
-            far = (n_cols if lines == ax.hlines else n_rows) - 0.5
-            lines(edges - 0.5, -0.5, far, colors="#E9E9E9", linewidths=0.4, zorder=0.5)
+    if Scale.of(ax, grid).cell > 2:
+        ax.add_collection(
+            LineCollection(list(borders(grid.free)), colors=WALL_EDGE, linewidths=0.7, zorder=0.6),
+            autolim=False,
+        )
     ax.set(xlim=(-0.5, n_cols - 0.5), ylim=(n_rows - 0.5, -0.5), aspect="equal")
     ax.set_xlabel("column (cells)", fontsize=8)
     ax.set_ylabel("row (cells)", fontsize=8)
-    ax.tick_params(labelsize=7)
+    ax.tick_params(labelsize=7.5, length=2, color=FAINT)
     for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(MaxNLocator(nbins=10, integer=True, min_n_ticks=1))
+        axis.set_major_locator(MaxNLocator(nbins=8, integer=True, min_n_ticks=1))
+    ax.spines[:].set(color=WALL_EDGE, linewidth=0.8)
     ax.set_title(f"Map {grid.name}".rstrip(), fontsize=10)
     return ax
+
+
+def borders(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """The borders between cells that are in `mask` and cells of the map that are not.
+
+    Parameters
+    ----------
+    mask : bool array, shape (n_rows, n_cols)
+
+    Returns
+    -------
+    float array, shape (n, 2, 2)
+        Segments, each of two points ``(col, row)``, as long as they are straight.
+    """
+    across = _runs(mask[1:] != mask[:-1])
+    down = _runs((mask[:, 1:] != mask[:, :-1]).T)[..., ::-1]
+    return np.concatenate([across, down])
+
+
+def _runs(steps: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Segments ``(along, between)`` of the runs of true entries in each row of `steps`."""
+    edges = np.diff(np.pad(steps, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    (rows, first), (_, last) = np.nonzero(edges == 1), np.nonzero(edges == -1)
+    between = rows + 0.5
+    ends = [np.column_stack([along - 0.5, between]) for along in (first, last)]
+    return np.stack(ends, axis=1)

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from ..mission.grid import Cell
 from ..mission.plan import Cluster, Plan
 from .canvas import Scale
-from .marks import Box, free_spot
-from .style import FAINT, INK, NOBODY, RobotStyle, robot_styles
+from .lettering import width_of
+from .placing import Box, free_spot
+from .style import INK, NOBODY, STAGES, RobotStyle, robot_styles
 
 MARGIN = 0.72
 """Cells by which an outline stays clear of the centres of its victims' cells."""
@@ -37,6 +38,12 @@ def outline(cells: Sequence[Cell], margin: float = MARGIN) -> NDArray[np.float64
     return corners
 
 
+def govern(plan: Plan) -> bool:
+    """Whether clusters still say who serves whom: not once a search has improved what they gave."""
+    stages = {visit.stage for route in plan.routes for visit in route.visits}
+    return bool(plan.clusters) and (not stages or not stages.isdisjoint(STAGES))
+
+
 def draw_outlines(ax: Axes, plan: Plan) -> None:
     """Draw the outline of each cluster in the colour of the robot that took it."""
     styles = robot_styles(plan.instance)
@@ -50,37 +57,27 @@ def draw_outlines(ax: Axes, plan: Plan) -> None:
         ax.add_patch(Polygon(corners, fc="none", ec=colour, lw=0.9, alpha=0.8, zorder=1.1))
 
 
-def draw_centres(
-    ax: Axes, plan: Plan, scale: Scale, taken: Sequence[Box], *, faint: bool = False
-) -> None:
-    """Mark the mean of each cluster and name it where it hides least of the boxes `taken`.
-
-    Faint names leave out who took the cluster.
-    """
+def draw_centres(ax: Axes, plan: Plan, scale: Scale, taken: Sequence[Box]) -> None:
+    """Mark the mean of each cluster and name it, with who took it, where nothing of `taken` is."""
     styles = robot_styles(plan.instance)
     occupied = list(taken)
     for number, cluster in enumerate(plan.clusters):
         row, col = cluster.centre
-        colour = FAINT if faint else _colour(cluster, styles)
-        ax.plot(col, row, "P", ms=0.6 * scale.mark, mfc=colour, mec="white", mew=0.6, zorder=4.5)
-        takers = "" if faint else ",".join(f"R{robot}" for robot in cluster.robots)
+        colour = _colour(cluster, styles)
+        ax.plot(col, row, "P", ms=5, mfc=colour, mec="white", mew=0.6, zorder=4.5)
+        takers = ",".join(f"R{robot}" for robot in cluster.robots)
         name = f"C{number}→{takers}" if takers else f"C{number}"
-        size = (LABEL * scale.font / scale.cell, (0.72 * len(name) + 0.5) * scale.font / scale.cell)
-        own = (row, col, 0.6 * scale.mark / scale.cell, 0.6 * scale.mark / scale.cell)
+        letters = width_of(name, scale.font) + 0.8 * scale.font
+        size = (LABEL * scale.font / scale.cell, letters / scale.cell)
+        own = (row, col, 5 / scale.cell, 5 / scale.cell)
         spot = free_spot((row, col), size, [*occupied, own], plan.instance.map.shape)
         occupied.append((*spot, *size))
-        ax.plot([col, spot[1]], [row, spot[0]], color=colour, lw=0.6, zorder=4.4)
+        ax.plot([col, spot[1]], [row, spot[0]], color=colour, lw=0.8, zorder=4.4)
         ax.text(
-            spot[1],
-            spot[0],
-            name,
-            ha="center",
-            va="center_baseline",
-            fontsize=scale.font,
-            color=FAINT if faint else INK,
-            bbox={"boxstyle": "round,pad=0.2", "fc": "white", "ec": colour, "lw": 0.8},
-            zorder=8,
-        ).set_in_layout(False)
+            spot[1], spot[0], name, ha="center", va="center_baseline", fontsize=scale.font,
+            color=INK, zorder=8,
+            bbox={"boxstyle": "round,pad=0.2", "fc": "white", "ec": colour, "lw": 1.0},
+        ).set_in_layout(False)  # fmt: skip
 
 
 def _colour(cluster: Cluster, styles: dict[int, RobotStyle]) -> str:

@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.patches import Patch
 
+from ..mission.instance import Robot
 from ..mission.plan import Plan, Route
+from .canvas import SMALL_ROBOTS
 from .figure import own_axes, size_of
 from .legends import legend_below
-from .lettering import as_written
-from .style import FAINT, INK, RobotStyle, robot_styles
+from .lettering import as_written, width_of
+from .marks import number_of
+from .style import FAINT, INK, RobotStyle, readable_on, robot_styles
 
 BAR = 0.72
 """Height of a service bar, in rows."""
-FONT = 6.5
+FONT = 7.5
+LEAST_PITCH = 9.0
+"""Points from the name of one row to that of the next."""
 
 
-def gantt_height(plan: Plan) -> float:
-    """Inches in which the rows of `plan` are legible, title and axis included."""
-    return 1.0 + 0.27 * plan.instance.n_robots
+def gantt_height(n_robots: int) -> float:
+    """Inches that so many rows take: a line of letters each for some, less for many."""
+    return 0.27 * n_robots if n_robots <= SMALL_ROBOTS else min(1.0 + 0.14 * n_robots, 5.0)
 
 
 @as_written
@@ -39,41 +49,134 @@ def plot_gantt(plan: Plan, ax: Axes | None = None, *, until: float | None = None
     Returns
     -------
     Axes
-        Time on x, in time units; one row per robot, the first on top, empty for one that stays.
+        Time on x, in time units; one row per robot, empty for one that stays. The first robot is on
+        top, or of more than eight the one that is done last.
     """
-    ax = own_axes(11.0, gantt_height(plan) + 0.4) if ax is None else ax
-    styles = robot_styles(plan.instance)
+    robots = rows_of(plan)
+    ax = own_axes(9.0, gantt_height(len(robots)) + 1.4) if ax is None else ax
     makespan = plan.metrics.makespan
     horizon = 1.02 * max(makespan, until or 0.0) or 1.0
-    points_per_time_unit = size_of(ax)[0] / horizon
-    for row, robot in enumerate(plan.instance.robots):
-        routes = [route for route in plan.routes if route.robot == robot.id]
-        for route in routes:
-            _row(ax, row, route, robot.speed, styles[robot.id], points_per_time_unit)
+    draw_rows(ax, plan, robots, horizon)
     ax.axvline(makespan, color=INK, lw=1.2, ls=(0, (4, 2)), zorder=4)
     _name_makespan(ax, makespan)
-    ax.set(xlim=(0, horizon), ylim=(plan.instance.n_robots - 0.5, -0.5))
-    ax.set_xlabel("time (time units)", fontsize=8)
-    ax.set_ylabel("robot", fontsize=8)
-    ax.set_yticks(range(plan.instance.n_robots), [f"R{r.id}" for r in plan.instance.robots])
-    ax.tick_params(labelsize=7)
-    for tick, style in zip(ax.get_yticklabels(), styles.values(), strict=True):
-        tick.set(
-            color=style.ink,
-            fontweight="bold",
-            bbox={"boxstyle": "round,pad=0.22", "fc": style.colour, "ec": INK, "lw": 0.6},
-        )
-    ax.tick_params(axis="y", length=0, pad=6)
-    ax.grid(axis="x", color="#E5E5E5", lw=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.set_title("Timeline", fontsize=10)
+    ax.set_title("Timeline", fontsize=9.5)
     handles: list[Artist] = [
         Patch(fc=FAINT, ec=INK, lw=0.5, label="service (v: the victim's number)"),
         Patch(fc=FAINT, alpha=0.35, label="travel"),
     ]
     legend_below(ax, handles)
     return ax
+
+
+def rows_of(plan: Plan) -> list[Robot]:
+    """The robots in the order of rows: as in the mission, or of many the latest first."""
+    robots = list(plan.instance.robots)
+    if len(robots) <= SMALL_ROBOTS:
+        return robots
+    speed = {robot.id: robot.speed for robot in robots}
+    done = {route.robot: _end(route, speed[route.robot]) for route in plan.routes}
+    return sorted(robots, key=lambda robot: -done.get(robot.id, 0.0))
+
+
+def _end(route: Route, speed: float) -> float:
+    served = route.visits[-1].departure if route.visits else 0.0
+    return served + max(len(route.back) - 1, 0) / speed
+
+
+def draw_rows(ax: Axes, plan: Plan, robots: Sequence[Robot], horizon: float) -> None:
+    """Draw a row for each of `robots`, up to `horizon` time units."""
+    styles = robot_styles(plan.instance)
+    row_of = {robot.id: row for row, robot in enumerate(robots)}
+    speed = {robot.id: robot.speed for robot in robots}
+    service: dict[str, list[tuple[float, float, int, str]]] = {}
+    travel: list[tuple[float, float, int, str]] = []
+    names = []
+    for route in plan.routes:
+        style, row, clock = styles[route.robot], row_of[route.robot], 0.0
+        for visit in route.visits:
+            travel.append((clock, visit.arrival, row, style.colour))
+            bar = (visit.arrival, visit.departure, row, style.colour)
+            service.setdefault(style.hatch, []).append(bar)
+            names.append(
+                (visit.arrival, visit.departure, row, f"v{number_of(visit.victim)}", style)
+            )
+            clock = visit.departure
+        if route.back:
+            travel.append((clock, _end(route, speed[route.robot]), row, style.colour))
+    size = size_of(ax)
+    pitch = size[1] / max(len(robots), 1)
+    edge = 0.5 if pitch > 6 else 0.25
+    _bars(ax, travel, 0.4 * BAR, alpha=0.35, linewidths=0, zorder=2)
+    for hatch, bars in service.items():
+        _bars(
+            ax,
+            bars,
+            BAR,
+            edgecolors=INK,
+            linewidths=edge,
+            zorder=3,
+            hatch=hatch if pitch > 12 else "",
+        )
+    if pitch > 1.2 * FONT:
+        _name_bars(ax, names, size[0] / horizon, pitch)
+    ax.set(xlim=(0, horizon), ylim=(len(robots) - 0.5, -0.5))
+    ax.set_xlabel("time (time units)", fontsize=8)
+    ax.tick_params(labelsize=7.5)
+    _name_rows(ax, robots, styles, pitch)
+    ax.tick_params(axis="y", length=0, pad=6)
+    ax.grid(axis="x", color="#E5E5E5", lw=0.6)
+    ax.set_axisbelow(True)
+    ax.spines[["top", "right"]].set_visible(False)
+
+
+def _bars(
+    ax: Axes, bars: Sequence[tuple[float, float, int, str]], height: float, **look: Any
+) -> None:
+    if not bars:
+        return
+    start, end, row = np.array([bar[:3] for bar in bars], dtype=float).T
+    low, high = row - height / 2, row + height / 2
+    corners = np.stack([start, low, end, low, end, high, start, high], axis=1).reshape(-1, 4, 2)
+    ax.add_collection(
+        PolyCollection(list(corners), facecolors=[bar[3] for bar in bars], **look), autolim=False
+    )
+
+
+def _name_bars(
+    ax: Axes,
+    names: Sequence[tuple[float, float, int, str, RobotStyle]],
+    points_per_time_unit: float,
+    pitch: float,
+) -> None:
+    """Write each victim's number on its bar, upright or turned, where one or the other fits."""
+    widths = {text: width_of(text, FONT) for _, _, _, text, _ in names}
+    for start, end, row, text, style in names:
+        room = (end - start) * points_per_time_unit - 1
+        flat = widths[text] <= room
+        if flat or (room >= FONT and widths[text] <= BAR * pitch - 1):
+            ax.text(
+                (start + end) / 2, row, text, rotation=0 if flat else 90, ha="center",
+                va="center_baseline" if flat else "center", fontsize=FONT, color=style.ink, zorder=5,
+            ).set_in_layout(False)  # fmt: skip
+
+
+def _name_rows(
+    ax: Axes, robots: Sequence[Robot], styles: dict[int, RobotStyle], pitch: float
+) -> None:
+    """Name the rows, or as many of them as there is room for."""
+    step = max(1, int(np.ceil(LEAST_PITCH / pitch))) if robots else 1
+    named = robots[::step]
+    ax.set_yticks(range(0, len(robots), step), [f"R{number_of(robot.id)}" for robot in named])
+    badge = pitch >= 1.9 * FONT
+    for tick, robot in zip(ax.get_yticklabels(), named, strict=True):
+        colour = styles[robot.id].colour
+        if badge:
+            tick.set(
+                color=readable_on(colour),
+                fontweight="bold",
+                bbox={"boxstyle": "round,pad=0.2", "fc": colour, "ec": "white", "lw": 0.6},
+            )
+    ax.set_ylabel("robot" if step == 1 else f"robot (one in {step} named)", fontsize=8)
 
 
 def _name_makespan(ax: Axes, makespan: float) -> None:
@@ -84,39 +187,3 @@ def _name_makespan(ax: Axes, makespan: float) -> None:
     upper.spines["top"].set_visible(False)
     for label in upper.get_xticklabels():
         label.set_horizontalalignment("right" if makespan else "left")
-
-
-def _row(
-    ax: Axes, row: int, route: Route, speed: float, style: RobotStyle, points_per_time_unit: float
-) -> None:
-    clock = 0.0
-    for visit in route.visits:
-        _travel(ax, row, clock, visit.arrival, style)
-        busy = visit.departure - visit.arrival
-        ax.barh(
-            row, busy, left=visit.arrival, height=BAR,
-            color=style.colour, edgecolor=INK, linewidth=0.5, hatch=style.hatch, zorder=3,
-        )  # fmt: skip
-        text = f"v{visit.victim}"
-        narrow = busy * points_per_time_unit < 0.62 * FONT * len(text)
-        label = ax.text(
-            visit.arrival + busy / 2,
-            row,
-            text,
-            rotation=90 if narrow else 0,
-            ha="center",
-            va="center",
-            fontsize=FONT if not narrow else FONT - 1,
-            color=style.ink,
-            zorder=5,
-        )
-        label.set_in_layout(False)
-        clock = visit.departure
-    if route.back:
-        _travel(ax, row, clock, clock + (len(route.back) - 1) / speed, style)
-
-
-def _travel(ax: Axes, row: int, start: float, end: float, style: RobotStyle) -> None:
-    ax.barh(
-        row, end - start, left=start, height=0.4 * BAR, color=style.colour, alpha=0.35, zorder=2
-    )

@@ -10,11 +10,13 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.container import Container
 from matplotlib.lines import Line2D
+from matplotlib.path import Path
 
 from .figure import size_of
+from .lettering import shortened
 from .style import FAINT, INK, RobotStyle
 
-LEGEND_FONT = 7.5
+LEGEND_FONT = 8.0
 
 
 def legend_below(
@@ -42,19 +44,18 @@ def legend_below(
     )
 
 
-def mark_handle(marker: str, label: str, *, face: str = FAINT, edge: str = INK) -> Line2D:
-    """A legend entry that shows a marker."""
-    stroke = marker in ("x", "+")
+def mark_handle(marker: str | Path, label: str, *, face: str = FAINT, edge: str = INK) -> Line2D:
+    """A legend entry that shows a marker, or its words alone."""
     return Line2D(
         [],
         [],
         linestyle="",
         marker=marker,
-        markersize=7 if not stroke else 6,
+        markersize=8 if isinstance(marker, str) else 13,
         markerfacecolor=face,
-        markeredgecolor=face if stroke else edge,
-        markeredgewidth=1.5 if stroke else 0.6,
-        label=label,
+        markeredgecolor=edge,
+        markeredgewidth=0.6 if isinstance(marker, str) else 0,
+        label=shortened(label, 80),
     )
 
 
@@ -68,11 +69,11 @@ def robot_handles(
             [],
             color=style.colour,
             linestyle=cast("Any", style.line),
-            linewidth=2,
-            marker="s",
+            linewidth=2.2,
+            marker=style.mark,
             markersize=7,
-            markeredgecolor=INK,
-            markeredgewidth=0.5,
+            markeredgecolor="white",
+            markeredgewidth=0.6,
             label=f"R{robot}: {words[robot]}" if words else f"R{robot}",
         )
         for robot, style in styles.items()

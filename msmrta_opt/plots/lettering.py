@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 from matplotlib.artist import Artist
 from matplotlib.font_manager import FontProperties, findfont, fontManager, get_font
 from matplotlib.text import Text
+from matplotlib.textpath import text_to_path
 
 Asked = ParamSpec("Asked")
 Drawn = TypeVar("Drawn", bound=Artist)
@@ -51,6 +52,30 @@ def shortened(text: str, longest: int = LONGEST_NAME) -> str:
     """`text`, each of its lines cut to so many characters."""
     lines = text.split("\n")
     return "\n".join(x if len(x) <= longest else f"{x[: longest - 1]}…" for x in lines)
+
+
+def fitted(text: str, size: float, width: float, *, bold: bool = False) -> str:
+    """`text` in one line, cut so that letters of `size` points take no more than `width` points."""
+    line = " ".join(text.split())[:LONGEST_LINE]
+    if width_of(line, size, bold=bold) <= width:
+        return line
+    low, high = 0, len(line)
+    while low < high:
+        middle = (low + high + 1) // 2
+        if width_of(f"{line[:middle]}…", size, bold=bold) <= width:
+            low = middle
+        else:
+            high = middle - 1
+    return f"{line[:low].rstrip()}…"
+
+
+def width_of(text: str, size: float, *, bold: bool = False) -> float:
+    """Points that a line of letters of `size` points takes."""
+    font = FontProperties(size=size, weight="bold" if bold else "normal")
+    more, said = _fonts_for(text, font)
+    font.set_family([*font.get_family(), *more])
+    width: float = text_to_path.get_text_width_height_descent(said, font, ismath=False)[0]
+    return width
 
 
 _plain: WeakKeyDictionary[Text, str] = WeakKeyDictionary()

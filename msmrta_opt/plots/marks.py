@@ -1,237 +1,301 @@
-"""What is drawn on a map: marks on cells, walks over them, and labels where there is room.
+"""The marks on a map: victims with what they need, and badges of robots, none on another.
 
-What stands on one cell shares it: see `draw_stamps`.
+A victim is a disc with its number. Around it stands an arc for each requirement, at the hour of its
+kind as on a clock, so that what is needed is seen without a word: in the colour of the robot that
+serves it, red if none does. A red ring around all says that something stays unserved. What would lie
+on another mark is moved aside, and a line leads to the cell it stands for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patheffects import withStroke
-from matplotlib.transforms import ScaledTranslation
-from numpy.typing import NDArray
+from matplotlib.collections import EllipseCollection, LineCollection, PatchCollection
+from matplotlib.patches import Wedge
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D
 
 from ..mission.grid import Cell
+from ..mission.instance import Instance, Victim
+from ..mission.plan import Plan
 from .canvas import Scale
-from .figure import POINTS_PER_INCH
-from .style import INK, RobotStyle
+from .placing import Box, apart
+from .style import FAINT, INK, MISSED, RobotStyle, robot_styles
 
-HALO = withStroke(linewidth=1.6, foreground="white")
-Box = tuple[float, float, float, float]
-"""A box on the map in cells: ``(row, col)`` of its centre, height, width."""
-CASING = 0.7
-"""Points by which a dark line stands out under a coloured one, so that pale colours read too."""
+MOST_KINDS = 12
+"""Kinds that have an hour each; of more, a victim's own requirements share its clock."""
+LONGEST_NUMBER = 5
+"""Digits of an id that a mark can hold; of a longer one the last are shown."""
 
 
 @dataclass(frozen=True)
-class Stamp:
-    """One mark on a cell, with a word inside; without a marker, the word in a rounded box."""
+class Mark:
+    """One badge: a word on a shape, or in a rounded box if it has none."""
 
-    cell: Cell
+    text: str
     face: str
-    text: str = ""
-    marker: str = ""
     ink: str = "white"
     edge: str = INK
+    shape: str = ""
 
 
-def start_stamp(cell: Cell, robot: int, style: RobotStyle) -> Stamp:
+@dataclass(frozen=True)
+class Group:
+    """What stands at one cell, side by side: perhaps a victim, and badges."""
+
+    cell: Cell
+    badges: tuple[Mark, ...] = ()
+    disc: Mark | None = None
+    arcs: tuple[tuple[float, float, str], ...] = ()
+    """From, to (degrees, anticlockwise from the right) and colour."""
+    ring: bool = False
+    """Whether something stays unserved."""
+    weight: float = 1.0
+    """The disc's diameter over that of a victim of the least priority."""
+
+
+def short_number(identity: int) -> str:
+    """An id as the shape of a badge can hold it: colour stands alone for a longer one."""
+    text = str(identity)
+    return text if len(text) <= 3 else ""
+
+
+def number_of(identity: int) -> str:
+    """An id as a mark shows it."""
+    text = str(identity)
+    return text if len(text) <= LONGEST_NUMBER else f"…{text[1 - LONGEST_NUMBER :]}"
+
+
+def start_of(cell: Cell, robot: int, style: RobotStyle) -> Group:
     """The start of a robot."""
-    return Stamp(cell, style.colour, f"R{robot}", ink=style.ink)
+    return Group(cell, (Mark(f"R{number_of(robot)}", style.colour, style.ink),))
 
 
-def visit_stamp(cell: Cell, number: int, style: RobotStyle, marker: str = "o") -> Stamp:
-    """A visit by the robot of that style."""
-    return Stamp(cell, style.colour, str(number), marker, ink=style.ink)
+def disc_of(victim: Victim, face: str = "white", ink: str = INK, edge: str = INK) -> Mark:
+    """The disc of a victim, with its number."""
+    return Mark(number_of(victim.id), face, ink, edge)
 
 
-def draw_stamps(
-    ax: Axes, stamps: Iterable[Stamp], captions: Mapping[Cell, str], scale: Scale
+def weights_of(instance: Instance) -> dict[int, float]:
+    """By victim the diameter of its disc, 1 to 1.4, by priority: 1 for all if they are alike."""
+    priorities = [victim.priority for victim in instance.victims]
+    low, high = min(priorities, default=1.0), max(priorities, default=1.0)
+    span = high - low or 1.0
+    return {v.id: 1 + 0.4 * (v.priority - low) / span for v in instance.victims}
+
+
+def served_groups(plan: Plan) -> list[Group]:
+    """The victims with the arcs of what they need, by who serves it."""
+    styles = robot_styles(plan.instance)
+    server = {
+        (visit.victim, kind): styles[route.robot].colour
+        for route in plan.routes
+        for visit in route.visits
+        for kind in visit.served
+    }
+    weights, rings = weights_of(plan.instance), unserved_victims(plan)
+    return [
+        Group(
+            victim.cell,
+            disc=disc_of(victim),
+            arcs=tuple(
+                (*hours(plan.instance, victim, kind), server.get((victim.id, kind), MISSED))
+                for kind in victim.requirements
+            ),
+            ring=victim.id in rings,
+            weight=weights[victim.id],
+        )
+        for victim in plan.instance.victims
+    ]
+
+
+def unserved_victims(plan: Plan) -> set[int]:
+    """The ids of the victims of whom something stays unserved."""
+    return {item.victim for item in plan.unserved}
+
+
+def hours(instance: Instance, victim: Victim, kind: str) -> tuple[float, float]:
+    """Where the arc of a requirement begins and ends, in degrees anticlockwise from the right."""
+    kinds = instance.capabilities
+    if len(kinds) > MOST_KINDS:
+        kinds = victim.requirements
+    return hour(kinds.index(kind), len(kinds))
+
+
+def hour(place: int, count: int) -> tuple[float, float]:
+    """The `place`-th of `count` equal arcs, clockwise from the top."""
+    width = 360 / count
+    gap = min(8.0, width / 5) if count > 1 else 0.0
+    return 90 - (place + 1) * width + gap / 2, 90 - place * width - gap / 2
+
+
+def clock_marker(place: int, count: int) -> Path:
+    """A marker for legends: a disc with the `place`-th of `count` arcs."""
+    low, high = hour(place, count)
+    arc = Wedge((0, 0), 1, low, high, width=0.45).get_path()
+    disc = Path.unit_circle().transformed(Affine2D().scale(0.38))
+    return Path.make_compound_path(arc, disc)
+
+
+# Drawing
+
+
+def draw_groups(
+    ax: Axes, groups: Sequence[Group], shape: tuple[int, int], scale: Scale
 ) -> list[Box]:
-    """Draw marks on cells, those of one cell side by side below the cell's caption.
+    """Draw what stands at cells, none on another, with lines to the cells of those moved aside.
 
     Returns the boxes that they cover.
     """
-    covered: list[Box] = []
-    by_cell: dict[Cell, list[Stamp]] = {cell: [] for cell in captions}
-    for stamp in stamps:
-        by_cell.setdefault(stamp.cell, []).append(stamp)
-    for cell, group in by_cell.items():
-        caption = captions.get(cell, "")
-        offsets = side_by_side(len(group), scale.mark * 1.08)
-        if caption:
-            offsets -= (0, 0.28 * scale.font + 0.05 * scale.mark)
-            top = offsets[:, 1].max(initial=0) + 0.5 * scale.mark
-            _write(ax, cell, caption, (0, top + 0.5 * scale.font), scale.font, INK, bold=True)
-        for stamp, offset in zip(group, offsets, strict=True):
-            _stamp(ax, stamp, offset, scale)
-        across, down = np.ptp(offsets, axis=0) + scale.mark if group else (0.0, 0.0)
-        height = (down + (scale.font if caption else 0)) / scale.cell
-        covered.append((*cell, max(height, 1.0), max(across / scale.cell, 1.0)))
-    return covered
+    if not groups:
+        return []
+    sizes = np.array([_size(group, scale) for group in groups]) / scale.cell
+    cells = np.array([group.cell for group in groups], dtype=float)
+    centres = apart(cells, sizes, shape)
+    _draw_leaders(ax, cells, centres, scale)
+    _draw_arcs(ax, groups, centres, scale)
+    discs: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
+    for group, (row, col), (_, width) in zip(groups, centres, sizes, strict=True):
+        at = col - width / 2
+        if group.disc is not None:
+            own = _disc(group, scale) / scale.cell
+            outer = _outer(group, scale) / scale.cell
+            middle = at + outer / 2
+            discs.setdefault((group.disc.face, group.disc.edge), []).append((middle, row, own))
+            _write(ax, middle, row, group.disc.text, scale.font, group.disc.ink)
+            at += outer
+        for badge in group.badges:
+            wide = _badge_width(badge, scale) / scale.cell
+            _badge(ax, at + wide / 2, row, badge, scale)
+            at += wide
+    for (face, edge), found in discs.items():
+        x, y, size = np.array(found).T
+        ax.add_collection(
+            EllipseCollection(
+                size, size, 0 * size, units="xy", offsets=np.column_stack([x, y]),
+                transOffset=ax.transData, facecolors=face, edgecolors=edge,
+                linewidths=1.0, zorder=6,
+            ),
+            autolim=False,
+        )  # fmt: skip
+    return [(*place, *size) for place, size in zip(centres.tolist(), sizes.tolist(), strict=True)]
 
 
-def side_by_side(count: int, pitch: float) -> NDArray[np.float64]:
-    """Offsets of `count` marks around a cell's centre, in points, shape ``(count, 2)``."""
-    columns = max(int(np.ceil(np.sqrt(count))), min(count, 2))
-    offsets = np.zeros((count, 2))
-    n_lines = -(-count // columns) if count else 0
-    for i in range(count):
-        line, position = divmod(i, columns)
-        in_line = min(columns, count - line * columns)
-        offsets[i] = position - (in_line - 1) / 2, (n_lines - 1) / 2 - line
-    return offsets * pitch
+def _size(group: Group, scale: Scale) -> tuple[float, float]:
+    """Height and width of a group in points."""
+    widths = [_badge_width(badge, scale) for badge in group.badges]
+    heights = [_badge_height(scale)] * len(widths)
+    if group.disc is not None:
+        widths.append(_outer(group, scale))
+        heights.append(_outer(group, scale))
+    return max(heights), sum(widths)
 
 
-def _stamp(ax: Axes, stamp: Stamp, offset: NDArray[np.float64], scale: Scale) -> None:
-    row, col = stamp.cell
-    if not stamp.marker:
-        _pill(ax, stamp, offset, scale)
+def _disc(group: Group, scale: Scale) -> float:
+    """Diameter of the disc itself, in points: as wide as its number needs."""
+    assert group.disc is not None
+    letters = 0.68 * scale.font * len(group.disc.text) + 3
+    return max(scale.mark * group.weight, letters)
+
+
+def _outer(group: Group, scale: Scale) -> float:
+    """Diameter with arcs and ring."""
+    band = 2 * BAND if group.arcs else 1.0
+    return _disc(group, scale) + band + (2 * RING if group.ring else 0)
+
+
+BAND, RING = 4.2, 3.0
+"""Points: of arcs, and of the ring around them."""
+
+
+def _badge_height(scale: Scale) -> float:
+    return 1.75 * scale.font
+
+
+def _badge_width(badge: Mark, scale: Scale) -> float:
+    letters = 0.72 * scale.font * len(badge.text)
+    return max(letters + 5, _badge_height(scale)) if not badge.shape else 1.75 * scale.font
+
+
+def _draw_leaders(ax: Axes, cells: np.ndarray, centres: np.ndarray, scale: Scale) -> None:
+    moved = np.hypot(*(cells - centres).T) > max(3.0 / scale.cell, 0.3)
+    lines = np.stack([cells, centres], axis=1)[moved][..., ::-1]
+    if not len(lines):
         return
-    dx, dy = offset / POINTS_PER_INCH
-    shifted = ax.transData + ScaledTranslation(dx, dy, ax.figure.dpi_scale_trans)
-    drawn_by_stroke = stamp.marker in ("x", "+")
-    (mark,) = ax.plot(
-        [col],
-        [row],
-        linestyle="",
-        marker=stamp.marker,
-        markersize=scale.mark * (0.75 if drawn_by_stroke else 1),
-        markerfacecolor=stamp.face,
-        markeredgecolor=stamp.face if drawn_by_stroke else stamp.edge,
-        markeredgewidth=1.5 if drawn_by_stroke else 0.5,
-        transform=shifted,
-        zorder=6,
-    )
-    # Marks lie inside the axes: leaving them out spares the layout hundreds of measurements.
-    mark.set_in_layout(False)
-    if stamp.text:
-        # The middle of a triangle lies off the middle of its box.
-        lift = {"^": -0.1, "v": 0.1}.get(stamp.marker, 0.0) * scale.mark
-        size = scale.mark * (0.68 if len(stamp.text) < 2 else 0.54)
-        _write(ax, stamp.cell, stamp.text, (offset[0], offset[1] + lift), size, stamp.ink)
+    for colour, width in (("white", 2.4), (FAINT, 0.9)):
+        ax.add_collection(
+            LineCollection(list(lines), colors=colour, linewidths=width, zorder=4.6), autolim=False
+        )
+    ax.plot(*lines[:, 0].T, "o", ms=3, mfc=INK, mec="white", mew=0.5, zorder=4.7)
 
 
-def _pill(ax: Axes, stamp: Stamp, offset: NDArray[np.float64], scale: Scale) -> None:
-    row, col = stamp.cell
-    text = ax.annotate(
-        stamp.text,
-        (col, row),
-        xytext=(float(offset[0]), float(offset[1])),
-        textcoords="offset points",
-        ha="center",
-        va="center_baseline",
-        fontsize=scale.mark * 0.62,
-        fontweight="bold",
-        color=stamp.ink,
-        bbox={"boxstyle": "round,pad=0.22", "fc": stamp.face, "ec": stamp.edge, "lw": 0.7},
-        zorder=5.5,
-    )
+def _draw_arcs(ax: Axes, groups: Sequence[Group], centres: np.ndarray, scale: Scale) -> None:
+    arcs, colours, rings, backs = [], [], [], []
+    for group, (row, col) in zip(groups, centres, strict=True):
+        if group.disc is None:
+            continue
+        width = _size(group, scale)[1] / scale.cell
+        outer = _outer(group, scale) / scale.cell
+        middle = (col - width / 2 + outer / 2, row)
+        inside = _disc(group, scale) / 2 / scale.cell
+        band = BAND / scale.cell if group.arcs else 0.0
+        backs.append(Wedge(middle, inside + band + 0.8 / scale.cell, 0, 360))
+        for low, high, colour in group.arcs:
+            # Rows grow downwards: an arc above the middle has a negative angle here.
+            arcs.append(Wedge(middle, inside + band, -high, -low, width=band))
+            colours.append(colour)
+        if group.ring:
+            radius = inside + band + RING / scale.cell
+            rings.append(Wedge(middle, radius, 0, 360, width=0.66 * RING / scale.cell))
+    for patches, faces, order in (
+        (backs, "white", 5.0), (rings, MISSED, 5.1), (arcs, colours, 5.2),
+    ):  # fmt: skip
+        if patches:
+            ax.add_collection(
+                PatchCollection(patches, facecolors=faces, edgecolors="none", zorder=order),
+                autolim=False,
+            )
+
+
+def _badge(ax: Axes, x: float, y: float, badge: Mark, scale: Scale) -> None:
+    if badge.shape:
+        size = scale.font * (1.55 if badge.shape not in "^v" else 1.8)
+        (mark,) = ax.plot(
+            [x], [y], badge.shape, ms=size, mfc=badge.face, mec=badge.edge, mew=0.6, zorder=6.5
+        )
+        mark.set_in_layout(False)
+        lift = {"^": 0.13, "v": -0.13}.get(badge.shape, 0.0) * scale.font / scale.cell
+        size = scale.font * (0.85 if len(badge.text) < 3 else 0.62)
+        _write(ax, x, y + lift, badge.text, size, badge.ink)
+        return
+    text = ax.text(
+        x, y, badge.text, ha="center", va="center_baseline", fontsize=scale.font,
+        fontweight="bold", color=badge.ink, zorder=6.5,
+        bbox={"boxstyle": "round,pad=0.2", "fc": badge.face, "ec": "white", "lw": 0.8},
+    )  # fmt: skip
     text.set_in_layout(False)
 
 
-def _write(
-    ax: Axes,
-    cell: tuple[float, float],
-    text: str,
-    offset: tuple[float, float],
-    size: float,
-    ink: str,
-    *,
-    bold: bool = False,
-) -> None:
-    row, col = cell
-    artist = ax.annotate(
-        text,
-        (col, row),
-        xytext=offset,
-        textcoords="offset points",
-        ha="center",
-        va="center_baseline",
-        fontsize=size,
-        color=ink,
-        fontweight="bold" if bold else "normal",
-        path_effects=[HALO] if bold else [],
-        zorder=7,
-    )
-    artist.set_in_layout(False)
+def _write(ax: Axes, x: float, y: float, text: str, size: float, ink: str) -> None:
+    ax.text(
+        x, y, text, ha="center", va="center_baseline", fontsize=size, fontweight="bold",
+        color=ink, zorder=7,
+    ).set_in_layout(False)  # fmt: skip
 
 
-def captions_of(cells: Mapping[int, Cell]) -> dict[Cell, str]:
-    """What to write on the cells of victims, given by id: ``v3``, or ``v3,7`` for two on one."""
-    on_cell: dict[Cell, list[int]] = {}
-    for victim, cell in cells.items():
-        on_cell.setdefault(cell, []).append(victim)
-    return {cell: "v" + ",".join(map(str, victims)) for cell, victims in on_cell.items()}
-
-
-# Walks
-
-
-def lanes(count: int, scale: Scale) -> NDArray[np.float64]:
-    """Sideways shifts, in cells, that keep `count` walks over the same cells apart."""
-    step = min(0.6 / max(count - 1, 1), 2.2 * scale.line / scale.cell)
-    return np.asarray((np.arange(count) - (count - 1) / 2) * step, dtype=np.float64)
-
-
-def draw_walk(
-    ax: Axes, cells: Sequence[Cell], shift: float, colour: str, line: Any, width: float
-) -> None:
-    """Draw a walk over `cells`, shifted down and right by `shift` cells."""
-    if len(cells) < 2:
-        return
-    rows, cols = np.array(cells, dtype=float).T + shift
-    ends: dict[str, Any] = {
-        "solid_joinstyle": "round",
-        "solid_capstyle": "round",
-        "dash_capstyle": "butt",
-    }
-    ax.plot(cols, rows, color=INK, lw=width + CASING, ls=line, zorder=3, **ends)
-    ax.plot(cols, rows, color=colour, lw=width, ls=line, zorder=3.1, **ends)
-
-
-# Labels
-
-
-def free_spot(
-    near: tuple[float, float],
-    size: tuple[float, float],
-    taken: Sequence[Box],
-    shape: tuple[int, int],
-) -> tuple[float, float]:
-    """Where a label covers least, and among such places the nearest to where it belongs.
-
-    Parameters
-    ----------
-    near : (row, col)
-        Where the label belongs, in cells.
-    size : (height, width)
-        Of the label, in cells.
-    taken : sequence of Box
-        Boxes that should stay visible.
-    shape : (n_rows, n_cols)
-        The map, which the label should not leave.
-
-    Returns
-    -------
-    (row, col)
-        The label's centre.
-    """
-    height, width = size
-    reach = 2.0 + 2 * max(size)
-    steps = np.linspace(-reach, reach, 81)
-    rows, cols = (axis.ravel() for axis in np.meshgrid(near[0] + steps, near[1] + steps))
-    cost = 1e-3 * np.hypot(rows - near[0], cols - near[1])
-    for centres, extent, n in ((rows, height, shape[0]), (cols, width, shape[1])):
-        outside = np.maximum(centres + extent / 2 - (n - 0.5), -0.5 - (centres - extent / 2))
-        cost += 10 * np.maximum(outside, 0)
-    for row, col, box_height, box_width in taken:
-        overlap_rows = np.maximum((height + box_height) / 2 - np.abs(rows - row), 0)
-        overlap_cols = np.maximum((width + box_width) / 2 - np.abs(cols - col), 0)
-        cost += np.minimum(overlap_rows, height) * np.minimum(overlap_cols, width)
-    best = int(cost.argmin())
-    return float(rows[best]), float(cols[best])
+def visit_badges(
+    plan: Plan, shapes: Mapping[str, str], styles: Mapping[int, RobotStyle]
+) -> dict[int, tuple[Mark, ...]]:
+    """By victim a badge for each visit: the robot's colour and number, the stage's shape."""
+    found: dict[int, list[Mark]] = {}
+    for route in plan.routes:
+        style = styles[route.robot]
+        for visit in route.visits:
+            badge = Mark(
+                short_number(route.robot), style.colour, style.ink, INK, shapes[visit.stage]
+            )
+            found.setdefault(visit.victim, []).append(badge)
+    return {victim: tuple(badges) for victim, badges in found.items()}

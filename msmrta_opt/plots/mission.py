@@ -1,30 +1,44 @@
-"""A whole plan on one page: the three panels of the paper's Fig. 2, and the timeline below."""
+"""A whole plan on one page: the three panels of the paper's Fig. 2, and the timeline below.
+
+The page is nine inches wide, so that its letters can be read on a screen at 800 pixels and on paper.
+A panel stands there only if it says something: scouting if there was any, assignment while its
+stages say who serves whom. A large mission is one map and its timeline.
+"""
 
 from __future__ import annotations
 
-import textwrap
-from typing import Any
+from collections.abc import Callable
 
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..mission.plan import Plan
-from .assignment import plot_assignment
-from .canvas import panel_size
-from .figure import Picture
+from .assignment import assignment_handles, plot_assignment, served_text
+from .canvas import SMALL_ROBOTS, is_large
+from .figure import POINTS_PER_INCH, Page
 from .gantt import gantt_height, plot_gantt
-from .legends import LEGEND_FONT, robot_handles
-from .lettering import as_written, shortened
-from .paths import plot_paths
-from .scouting import plot_scouting
-from .style import robot_styles
+from .key import Section, columns_below, draw_key, key_height
+from .legends import robot_handles
+from .lettering import as_written, fitted
+from .overview import LINES_OF
+from .paths import paths_handles, plot_paths
+from .scouting import plot_scouting, scouting_handles
+from .style import FAINT, STAGES, robot_styles
+from .titles import name_of, says
 
-LEGENDS = 2.7
-"""Inches that the panels' titles, axes and legends take."""
+NEEDS = "Victims (arc: colour of who serves it)"
+WIDTH, MARGIN = 9.0, 0.15
+TITLE, PANEL_TITLE, TICKS, GAP = 0.72, 0.42, 0.32, 0.12
+"""Inches: above the panels; above, and left and below of, each; between parts."""
+ROOMY_VICTIMS, ROOMY_SIDE = 16, 26
+"""With more victims, or more cells a side, paths need all of the page's width."""
 
 
 @as_written
 def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
-    """Draw scouting, assignment and paths side by side, and when everything happens.
+    """Draw scouting, assignment and paths, when everything happens, and a key.
 
     Parameters
     ----------
@@ -38,58 +52,135 @@ def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
     Figure
         Not known to pyplot; `save_figure` writes it, a notebook shows it.
     """
-    styles = robot_styles(plan.instance)
-    width, height = panel_size(plan.instance.map, crowded=plan.instance.n_victims > 50)
-    key_columns = min(len(styles), 4)
-    upper = height + LEGENDS + 0.2 * -(-len(styles) // key_columns)
-    lower = gantt_height(plan) + 0.3
-    figure = Picture(
-        figsize=(3 * (width + 0.7), upper + (lower if gantt else 0) + 0.6), layout="constrained"
-    )
-    figure.suptitle(_title(plan), fontsize=12)
-    if gantt:
-        parts: Any = figure.subfigures(2, 1, height_ratios=(upper, lower))
-        top, bottom = parts
-        timeline = plot_gantt(plan, bottom.subplots())
-        # At the left, where the makespan of a whole plan never is, so that it needs no height.
-        timeline.set_title("")
-        timeline.set_title("Timeline", fontsize=10, loc="left", y=1.0)
+    panels, sections = _panels(plan), _sections(plan)
+    inner = WIDTH - 2 * MARGIN
+    rows = _rows(plan, panels)
+    columns = columns_below(sections, inner)
+    widths = [inner * share - GAP - TICKS for share, _ in rows]
+    heights = [_map_height(plan, width) for width in widths]
+    lines = [PANEL_TITLE + height + TICKS for height in heights]
+    # The key stands where a panel would, if one is left over and it is not much longer than that.
+    last_share, last = rows[-1]
+    aside = inner * (1 - last_share) - 2 * GAP
+    used = key_height(sections, aside, 1) if last_share < 1 and len(last) == 1 else np.inf
+    if used < 1.6 * lines[-1]:
+        lines[-1] = max(lines[-1], used)
+        below = 0.0
     else:
-        top = figure.subfigures(1, 1)
-    scouting, assignment, paths = top.subplots(1, 3)
-    for panel in (scouting, assignment, paths):
-        panel.set_anchor("N")  # what height is left over belongs to the legends below
-    plot_scouting(plan, scouting, robot_key=False)
-    plot_assignment(plan, assignment, robot_key=False)
-    plot_paths(plan, paths, robot_key=False)
-    words = {
-        robot.id: textwrap.shorten(", ".join(robot.capabilities) or "no capability", 60)
-        for robot in plan.instance.robots
-    }
-    top.legend(
-        handles=robot_handles(styles, words),
-        loc="outside lower center",
-        ncols=key_columns,
-        title="robots and what they can do",
-        title_fontsize=LEGEND_FONT + 0.5,
-        fontsize=LEGEND_FONT + 0.5,
-        frameon=False,
-    )
-    return figure
+        below = key_height(sections, inner, columns) + GAP
+    upper = TITLE + sum(lines)
+    bars = gantt_height(plan.instance.n_robots)
+    page = Page(WIDTH, upper + below + (bars + 0.7 if gantt else 0.0) + MARGIN)
+    _write_title(page, plan)
+    top = TITLE
+    for (_, row), line, width, height in zip(rows, lines, widths, heights, strict=True):
+        for number, draw in enumerate(row):
+            left = MARGIN + number * (width + TICKS + GAP) + TICKS
+            ax = page.place(left, top + PANEL_TITLE, width, height)
+            draw(ax)
+            _strip(ax)
+        top += line
+    if below:
+        draw_key(page, sections, MARGIN, upper + GAP, inner, columns)
+    else:
+        draw_key(page, sections, WIDTH - MARGIN - aside, top - lines[-1] + 0.1, aside, 1)
+    if gantt:
+        ax = page.place(MARGIN + 0.55, upper + below + 0.3, inner - 0.65, bars)
+        plot_gantt(plan, ax)
+        _strip(ax, keep="x")
+        ax.set_title("")
+        ax.set_title(
+            "Timeline: high bars serve, low ones travel", fontsize=9.5, loc="left", y=1.0, pad=4
+        )
+    return page
 
 
-def _title(plan: Plan) -> str:
-    figures = plan.metrics
+Panel = Callable[[Axes], object]
+
+
+def _rows(plan: Plan, panels: list[Panel]) -> list[tuple[float, list[Panel]]]:
+    """The panels by row, with the share of the page's width that each of a row has.
+
+    A large mission, or one with much on its map, shows its paths in all of the page's width.
+    """
     instance = plan.instance
-    name = shortened(instance.name, 80) or "unnamed mission"
+    much = instance.n_victims > ROOMY_VICTIMS or max(instance.map.shape) > ROOMY_SIDE
+    if len(panels) == 1:
+        return [(1.0 if much else 0.6, panels)]
+    if much:
+        return [(1.0, [panels[-1]]), (0.5, panels[:-1])]
+    return [(0.5, panels[i : i + 2]) for i in range(0, len(panels), 2)]
+
+
+def _panels(plan: Plan) -> list[Panel]:
+    """What draws each panel into its axes."""
+    panels: list[Panel] = []
+    staged = any(visit.stage in STAGES for route in plan.routes for visit in route.visits)
+    if not is_large(plan.instance):
+        if plan.scouting is not None:
+            panels.append(lambda ax: plot_scouting(plan, ax, robot_key=False))
+        if staged:
+            panels.append(lambda ax: plot_assignment(plan, ax, robot_key=False))
+    panels.append(lambda ax: plot_paths(plan, ax, robot_key=False))
+    return panels
+
+
+def _map_height(plan: Plan, width: float) -> float:
+    n_rows, n_cols = plan.instance.map.shape
+    return min(max(width * n_rows / n_cols, 1.0), 9.0 if is_large(plan.instance) else 6.2)
+
+
+def _strip(ax: Axes, keep: str = "") -> None:
+    """Take off what the page says once for all its parts."""
+    if legend := ax.get_legend():
+        legend.remove()
+    if keep != "x":
+        ax.set_xlabel("")
+    ax.set_ylabel("")
+
+
+def _sections(plan: Plan) -> list[Section]:
+    """The key."""
+    instance, styles = plan.instance, robot_styles(plan.instance)
+    words = {
+        robot.id: ", ".join(robot.capabilities) or "no capability" for robot in instance.robots
+    }
+    robots: list[Artist] = []
+    if instance.n_robots <= LINES_OF:
+        robots += robot_handles(styles, words)
+    victims = paths_handles(plan)
+    served = assignment_handles(plan) if len(_panels(plan)) > 1 else []
+    known = {str(handle.get_label()) for handle in served}
+    victims = [handle for handle in victims if str(handle.get_label()) not in known]
+    scouts = []
+    if plan.scouting is not None and not is_large(instance):
+        scouts = scouting_handles(instance, plan.scouting)
+    n_each = -(-len(robots) // 2) if len(robots) > SMALL_ROBOTS else len(robots)
+    return [
+        *(
+            Section(
+                "(continued)" if first else "Robots and what they can do", robots[first:][:n_each]
+            )
+            for first in range(0, len(robots), n_each or 1)
+        ),
+        Section("Victims" if is_large(instance) else NEEDS, victims),
+        Section("Assignment", served),
+        Section("Scouting", scouts),
+    ]
+
+
+def _write_title(page: Page, plan: Plan) -> None:
+    figures, instance = plan.metrics, plan.instance
+    room = (WIDTH - 2 * MARGIN) * POINTS_PER_INCH
     size = f"{_count(instance.n_robots, 'robot')}, {_count(instance.n_victims, 'victim')}"
-    return (
-        f"{name}: {size}, planned by {shortened(plan.planner)}\n"
-        f"{figures.n_served} of {figures.n_available} available requirements served · "
-        f"{figures.distance} cells walked · makespan {figures.makespan:g} · "
-        f"total time {figures.total_time:g} · "
-        f"mean completion {figures.mean_completion:.4g} time units"
+    made = f" · {size} · {says(plan)}"
+    name = fitted(name_of(instance), 12, max(room - 6.9 * len(made), 0.3 * room), bold=True)
+    page.write(MARGIN, 0.1, fitted(name + made, 12, room, bold=True), 12, fontweight="bold")
+    figures_said = (
+        f"{served_text(plan)} · makespan {figures.makespan:g} · total time "
+        f"{figures.total_time:g} · mean completion {figures.mean_completion:.4g} time units"
     )
+    page.write(MARGIN, 0.36, fitted(figures_said, 9, room), 9, color=FAINT)
 
 
 def _count(number: int, noun: str) -> str:

@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from ..mission.plan import Plan
-from .canvas import Scale, map_axes, plot_map
-from .clusters import draw_centres
+from .assignment import unserved_handles
+from .canvas import Scale, is_large, map_axes, plot_map
 from .legends import legend_below, mark_handle, robot_handles
 from .lettering import as_written
-from .marks import captions_of, draw_stamps, draw_walk, lanes, start_stamp, visit_stamp
-from .style import robot_styles
+from .marks import MOST_KINDS, clock_marker, draw_groups, served_groups, short_number, start_of
+from .overview import TRAFFIC, draw_victims, draw_walks, draws_lines
+from .style import INK, robot_styles
+from .walks import draw_leg_mark, draw_walk, lanes
 
 
 @as_written
 def plot_paths(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) -> Axes:
-    """Draw each robot's path over the cells, and at each stop its place in the robot's order.
+    """Draw each robot's walk with arrowheads, and at each victim what it needs and who serves it.
 
-    Paths are shifted a little, each robot's by its own amount, so that shared cells show them all.
+    Walks are shifted a little, each robot's by its own amount, so that shared cells show them all,
+    and a leg carries its robot's mark and number. Of a large mission victims are dots in the colour
+    of the robot that served them last; walks are lines, or of very many robots a map of traffic.
 
     Parameters
     ----------
@@ -35,37 +40,57 @@ def plot_paths(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) ->
         Column on x and row on y, in cells.
     """
     instance = plan.instance
-    if ax is None:
-        lines = 2 + instance.n_robots * robot_key
-        ax = map_axes(instance.map, crowded=instance.n_victims > 50, lines=lines)
+    ax = map_axes(instance, lines=9 + instance.n_robots // 3) if ax is None else ax
     plot_map(instance.map, ax)
     figures = plan.metrics
     ax.set_title(
         f"Paths\n{figures.distance} cells walked, makespan {figures.makespan:g} time units",
-        fontsize=10,
+        fontsize=9.5,
     )
-    scale, styles = Scale.of(ax, instance.map), robot_styles(instance)
-    cell_of = {victim.id: victim.cell for victim in instance.victims}
+    scale = Scale.of(ax, instance.map)
+    if is_large(instance):
+        draw_walks(ax, plan, scale)
+        draw_victims(ax, plan, scale)
+    else:
+        _draw_each(ax, plan, scale)
+    legend_below(
+        ax, [*(robot_handles(robot_styles(instance)) if robot_key else []), *paths_handles(plan)]
+    )
+    return ax
 
+
+def _draw_each(ax: Axes, plan: Plan, scale: Scale) -> None:
+    instance, styles = plan.instance, robot_styles(plan.instance)
+    starts = [start_of(r.start, r.id, styles[r.id]) for r in instance.robots]
+    taken = draw_groups(ax, [*starts, *served_groups(plan)], instance.map.shape, scale)
     moving = [route for route in plan.routes if route.cells]
     for route, shift in zip(moving, lanes(len(moving), scale), strict=True):
         style = styles[route.robot]
-        draw_walk(ax, route.cells, shift, style.colour, style.line, scale.line)
-    stamps = [start_stamp(r.start, r.id, styles[r.id]) for r in instance.robots]
-    stamps += [
-        visit_stamp(cell_of[visit.victim], order, styles[route.robot])
-        for route in plan.routes
-        for order, visit in enumerate(route.visits, start=1)
-    ]
-    taken = draw_stamps(ax, stamps, captions_of(cell_of), scale)
-    draw_centres(ax, plan, scale, taken, faint=True)
+        draw_walk(ax, route.cells, shift, style, scale)
+        for leg in (*(visit.cells for visit in route.visits), route.back):
+            draw_leg_mark(ax, leg, shift, short_number(route.robot), style, scale, taken)
 
-    handles: list[Artist] = []
-    if moving:
-        handles.append(mark_handle("o", "visit, by its place in the robot's order"))
-    if plan.clusters:
-        handles.append(mark_handle("P", "centre of a cluster", edge="white"))
-    if robot_key:
-        handles += robot_handles(styles)
-    legend_below(ax, handles)
-    return ax
+
+def paths_handles(plan: Plan) -> list[Artist]:
+    """Legend entries of what the victims need, and of the walks of many robots."""
+    instance, handles = plan.instance, list[Artist]()
+    kinds = instance.capabilities
+    if is_large(instance):
+        handles.append(mark_handle("o", "victim, colour of the robot last there"))
+        if not draws_lines(plan):
+            handles.append(mark_handle("s", "start of a robot; colours repeat", edge="white"))
+            handles.append(
+                Line2D([], [], color=TRAFFIC(0.5), lw=5, label="cells walked; darker: more often")
+            )
+    elif instance.n_victims and len(kinds) <= MOST_KINDS:
+        handles += [
+            mark_handle(clock_marker(place, len(kinds)), f"needs {kind}", face=INK)
+            for place, kind in enumerate(kinds)
+        ]
+    elif instance.n_victims:
+        handles.append(
+            mark_handle("o", "arcs: requirements, coloured by who serves them", face="white")
+        )
+    if len({victim.priority for victim in instance.victims}) > 1:
+        handles.append(mark_handle("o", "larger: higher priority", face="white"))
+    return handles + unserved_handles(plan)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -11,6 +13,7 @@ from matplotlib.figure import Figure
 
 from ..mission.errors import InputError
 from ..mission.files import write_with
+from .figure import cut_of
 
 FORMATS = MappingProxyType(
     # Each format's own name for the stamp that would make every file differ.
@@ -21,6 +24,16 @@ FORMATS = MappingProxyType(
     }
 )
 """The formats that can be written, by suffix, with the metadata to leave out."""
+
+
+SETTINGS: Mapping[Any, Any] = MappingProxyType(
+    {
+        "svg.hashsalt": "msmrta_opt",  # the same names inside each time
+        "svg.fonttype": "none",  # text stays text, to be searched and edited
+        "pdf.fonttype": 42,  # TrueType, as journals ask
+    }
+)
+"""Of matplotlib, while a file is written."""
 
 
 def save_figure(drawn: Figure | Axes, path: str | Path, dpi: float = 150) -> None:
@@ -55,8 +68,7 @@ def save_figure(drawn: Figure | Axes, path: str | Path, dpi: float = 150) -> Non
     figure = drawn if isinstance(drawn, Figure) else drawn.get_figure(root=True)
     if figure is None:
         raise InputError("axes without a figure; give them one", field="drawn")
-    # The salt makes the names inside an SVG the same each time; the setting ends with the block.
-    with matplotlib.rc_context({"svg.hashsalt": "msmrta_opt"}):
+    with matplotlib.rc_context(dict(SETTINGS)):  # which end with the block
         write_with(
             path,
             lambda temporary: figure.savefig(
@@ -64,6 +76,6 @@ def save_figure(drawn: Figure | Axes, path: str | Path, dpi: float = 150) -> Non
                 format=kind,
                 dpi=dpi,
                 metadata=dict(FORMATS[kind]),
-                bbox_inches=None if figure.subfigs else "tight",
+                bbox_inches=cut_of(figure),
             ),
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from matplotlib.colors import to_rgb
@@ -12,29 +13,42 @@ from ..mission.instance import Instance
 from ..mission.plan import Plan, Reason
 
 PALETTE = (
-    # Okabe and Ito (2008), without black, which walls and text have, and yellow, pale on white
+    # Okabe and Ito (2008); orange and sky blue darkened, so that all stand out from pale walls
     "#0072B2",  # blue
     "#D55E00",  # vermilion
     "#009E73",  # bluish green
     "#CC79A7",  # reddish purple
-    "#E69F00",  # orange
-    "#56B4E9",  # sky blue
-    # Tol (2021), "muted" and "dark": apart from the six above under every colour-vision deficiency
+    "#C49000",  # gold
+    "#45A6E0",  # sky blue
+    # Tol (2021), "muted" and "dark", and a green
     "#882255",  # wine
     "#332288",  # indigo
-    "#DDCC77",  # sand
+    "#5A783C",  # moss
     "#661100",  # brown
 )
-LINES = ("-", (0, (4, 1.2)), (0, (1.2, 1.2)), (0, (5, 1, 1, 1)))
+Dashes = str | tuple[int, tuple[float, ...]]
+LINES: tuple[Dashes, ...] = (
+    *("-", "-", "-", "-"),
+    (0, (4, 1.2)),
+    (0, (1.3, 1.1)),
+    (0, (7, 1.2, 1.3, 1.2)),
+    (0, (2.4, 2)),
+    (0, (10, 2)),
+    (0, (4, 1.1, 1.2, 1.1, 1.2, 1.1)),
+)
+"""By place in the palette; those who repeat a colour have other dashes, see `robot_style`."""
+MARKS = ("o", "s", "D", "^", "o", "s", "D", "p", "h", "P")
 HATCHES = ("", "/////", "xxxxx", ".....")
 
-WALL = "#4A4A4A"
+WALL, WALL_EDGE = "#E2E5E9", "#9AA2AD"
 INK = "#202020"
-FAINT = "#8A8A8A"
-NOBODY = "#9A9A9A"
-SIGHT = "#F5A623"
+FAINT = "#666666"
+NOBODY = "#767676"
 FOUND = "#202020"
 MISSED = "#C1121F"
+"""Of what stays unserved or unfound, and of nothing else."""
+NEVER_SEEN = "#A9A3CF"
+DEFERRED = "#FFE98A"
 
 STAGES = {
     "B2": "B2: cluster assignment",
@@ -43,43 +57,60 @@ STAGES = {
 }
 """The stages of the paper's Algorithm 1 that assign, and what a legend says of them."""
 SHAPES = ("o", "s", "^", "D", "h", "v", "p", "8", "<", ">", "d", "H")
-REASONS = {
-    Reason.NO_ROBOT_HAS_IT: "x",
-    Reason.NO_CAPABLE_ROBOT_REACHES_IT: "+",
-    Reason.NOT_FOUND: "$?$",
-    Reason.BEYOND_ENDURANCE: "$!$",
-    Reason.BEYOND_LONGEST_WALK: "$w$",
-    Reason.BEYOND_BOTH: "$!w$",
-}
-"""The mark of an unserved requirement, by reason."""
+REASONS = tuple(Reason)
+"""Why something stays unserved, in the order of legends."""
 
 
 @dataclass(frozen=True)
 class RobotStyle:
-    """How one robot is drawn; colour alone tells ten apart, lines and hatches tell the others."""
+    """How one robot is drawn: four by solid lines, the others by dashes; marks tell the four apart.
+
+    So ten are told apart by dash and mark alone, without their colours.
+    """
 
     colour: str
-    line: str | tuple[int, tuple[float, ...]]
+    line: Dashes
+    mark: str
     hatch: str
 
     @property
     def ink(self) -> str:
         """Black or white, whichever can be read on the robot's colour."""
-        red, green, blue = to_rgb(self.colour)
-        return "black" if 0.299 * red + 0.587 * green + 0.114 * blue > 0.5 else "white"
+        return readable_on(self.colour)
 
 
+def luminance(colour: Any) -> float:
+    """Relative luminance, 0 (black) to 1 (white), as the WCAG 2 define it."""
+    rgb = to_rgb(colour)
+    linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in rgb]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one: Any, other: Any) -> float:
+    """Contrast of two colours, 1 to 21, as the WCAG 2 define it."""
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def readable_on(colour: Any) -> str:
+    """Black or white, whichever has the larger contrast: never less than 4.58."""
+    return max("black", "white", key=lambda ink: contrast(ink, colour))
+
+
+@cache
 def robot_style(index: int) -> RobotStyle:
     """The style of the robot at position `index` of its instance."""
-    cycle, position = divmod(index, len(PALETTE))
-    return RobotStyle(PALETTE[position], LINES[cycle % len(LINES)], HATCHES[cycle % len(HATCHES)])
+    cycle, place = divmod(index, len(PALETTE))
+    # Solid lines are for the first four alone; six dashes and ten colours repeat after thirty.
+    line = LINES[4 + (place + 2 + 2 * cycle) % 6] if cycle or place >= 4 else "-"
+    return RobotStyle(PALETTE[place], line, MARKS[place], HATCHES[cycle % len(HATCHES)])
 
 
 def robot_colour(index: int) -> str:
     """The colour of the robot at position `index` of its instance, the same in every picture.
 
-    Colours are safe for colour-blind readers (Okabe and Ito 2008, Tol 2021) and repeat after ten;
-    dashes, hatches and the robots' numbers tell repeats apart.
+    Colours are chosen for colour-blind readers (after Okabe and Ito 2008 and Tol 2021) and repeat
+    after ten; dashes, marks, hatches and the robots' numbers tell apart what colour does not.
     """
     return robot_style(index).colour
 

@@ -31,7 +31,7 @@ def plot_two_plans(before: Plan, after: Plan, *, ringed: Sequence[int] = ()) -> 
     Figure
         Not known to pyplot; `save_figure` writes it, a notebook shows it.
     """
-    sizes = [panel_size(p.instance.map, crowded=p.instance.n_victims > 50) for p in (before, after)]
+    sizes = [panel_size(p.instance.map) for p in (before, after)]
     width, height = (max(size[i] for size in sizes) for i in (0, 1))
     styles = {**robot_styles(after.instance), **robot_styles(before.instance)}
     columns = min(len(styles) + 1, 8)

@@ -211,7 +211,7 @@ def tradeoff_figure(result: Tradeoff, *, breakpoint_: Fraction | None = None) ->
     """
     sides = _sides(result, breakpoint_)
     instance = result.segments[0].plan.instance
-    width, height = panel_size(instance.map, crowded=instance.n_victims > 50)
+    width, height = panel_size(instance.map)
     bands = 1.5 + 0.3 * instance.n_robots
     maps = height + 2.2 + 0.14 * instance.n_robots
     figure = Picture(figsize=(max(2 * width + 2, 12), 5.2 + bands + maps), layout="constrained")
@@ -241,7 +241,7 @@ def regions_figure(regions: Regions) -> Figure:
     plans = sorted(regions.plans, key=lambda plan: (plan.metrics.distance, plan.metrics.makespan))
     instance = plans[0].instance
     number = _numbers(regions)
-    width, height = panel_size(instance.map, crowded=instance.n_victims > 50)
+    width, height = panel_size(instance.map)
     maps = height + 2.2 + 0.14 * instance.n_robots
     figure = Picture(figsize=(max(2 * width + 2, 11.5), 9.6 + maps), layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(9, maps))

@@ -1,0 +1,204 @@
+"""What is written on a picture can be read: inside the figure, over nothing else, in contrast."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from msmrta_opt.mission.generate import generate_mission
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.layouts import rooms
+from msmrta_opt.mission.maps import grid_from_rows
+from msmrta_opt.mission.plan import Plan
+from msmrta_opt.planners import plan as make_plan
+from msmrta_opt.plots.style import (
+    FAINT,
+    INK,
+    NOBODY,
+    PALETTE,
+    WALL,
+    contrast,
+    readable_on,
+    robot_style,
+)
+
+PAPER = Path(__file__).parents[2] / "instances" / "paper.json"
+OPEN = grid_from_rows(["." * 24] * 18)
+
+
+def generated(n_robots: int, n_victims: int, side: int) -> Instance:
+    grid = rooms(side, side, seed=1)
+    return generate_mission(grid, n_robots, n_victims, seed=1, priorities=(1, 5))
+
+
+def unserved() -> Instance:
+    return generate_mission(OPEN, 5, 20, seed=3, unmeetable=0.3)
+
+
+def long_names() -> Instance:
+    document = Instance.read(PAPER).model_dump(mode="json")
+    words = {kind: f"{kind} {'and more of it ' * 8}" for kind in document["capabilities"]}
+    document["name"] = "a mission with a name that says it all " * 4
+    document["capabilities"] = list(words.values())
+    document["service_time"] = {words[k]: t for k, t in document["service_time"].items()}
+    for robot in document["robots"]:
+        robot["id"] += 123_456_789
+        robot["capabilities"] = [words[kind] for kind in robot["capabilities"]]
+    for victim in document["victims"]:
+        victim["requirements"] = [words[kind] for kind in victim["requirements"]]
+        victim["service_time"] = {words[k]: t for k, t in victim["service_time"].items()}
+    return Instance.from_document({**document, "clusters": None})
+
+
+def five_scouts() -> Instance:
+    document = Instance.read(PAPER).model_dump(mode="json")
+    starts = [(0, 0), (0, 12), (12, 4), (10, 19), (19, 9)]
+    document["scouts"] = [
+        {"id": i, "start": start, "visual_field_depth": 1 + i} for i, start in enumerate(starts)
+    ]
+    return Instance.from_document(document)
+
+
+MISSIONS = {
+    "paper": lambda: Instance.read(PAPER),
+    "one robot": lambda: generate_mission(OPEN, 1, 6, seed=1, per_robot=(6, 6)),
+    "unserved victims": unserved,
+    "long names": long_names,
+    "five scouts": five_scouts,
+    "10 × 100": lambda: generated(10, 100, 48),
+    "20 × 200": lambda: generated(20, 200, 64),
+}
+
+
+@pytest.fixture(scope="module", params=MISSIONS)
+def planned(request: pytest.FixtureRequest) -> Plan:
+    return make_plan(MISSIONS[request.param]())
+
+
+def written(figure: Figure) -> list[tuple[str, Bbox]]:
+    """Each text that is drawn, with the box that the renderer gives it, its frame included."""
+    texts: dict[Text, None] = {}
+    draw = Text.draw
+
+    def note(text: Text, *arguments: Any, **options: Any) -> None:
+        texts[text] = None
+        draw(text, *arguments, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Text, "draw", note)
+        FigureCanvasAgg(figure).draw()
+    frames = {text: text.get_bbox_patch() for text in texts if text.get_text().strip()}
+    return [
+        (text.get_text(), (text if frame is None else frame).get_window_extent())
+        for text, frame in frames.items()
+    ]
+
+
+def discs(figure: Figure) -> Iterator[Bbox]:
+    """The boxes of the victims' discs."""
+    for ax in figure.axes:
+        for group in ax.collections:
+            if isinstance(group, EllipseCollection):
+                sizes = np.broadcast_to(2 * np.asarray(group._widths), len(group.get_offsets()))
+                for (x, y), size in zip(group.get_offsets(), sizes, strict=True):
+                    half = size / 2
+                    corners = ax.transData.transform([(x - half, y - half), (x + half, y + half)])
+                    yield Bbox([corners.min(axis=0), corners.max(axis=0)])
+
+
+def overlap(one: Bbox, other: Bbox, slack: float = 1.0) -> bool:
+    """Whether boxes share more than `slack` pixels each way."""
+    both = Bbox.intersection(one, other)
+    return both is not None and both.width > slack and both.height > slack
+
+
+def assert_legible(figure: Figure) -> None:
+    texts = written(figure)
+    assert len(texts) > 10
+    page = figure.bbox
+    outside = [
+        said
+        for said, box in texts
+        if box.x0 < page.x0 or box.y0 < page.y0 or box.x1 > page.x1 or box.y1 > page.y1
+    ]
+    assert outside == []
+    assert [(a, b) for (a, x), (b, y) in combinations(texts, 2) if overlap(x, y)] == []
+    for disc in discs(figure):
+        on_it = [said for said, box in texts if overlap(box, disc)]
+        assert len(on_it) <= 1  # the number of the disc itself
+
+
+def test_no_text_of_a_page_lies_outside_or_on_another(planned: Plan) -> None:
+    assert_legible(planned.plot())
+
+
+@pytest.mark.slow
+def test_no_text_of_a_page_of_a_hundred_robots_lies_outside_or_on_another() -> None:
+    assert_legible(make_plan(generated(100, 1000, 128)).plot())
+
+
+def test_every_victim_of_a_small_mission_is_named_in_each_panel() -> None:
+    plan = make_plan(Instance.read(PAPER))
+    panels = [ax for ax in plan.plot().axes if ax.get_title().split("\n")[0] in PANELS]
+    assert len(panels) == 3
+    for ax in panels:
+        said = {text.get_text() for text in ax.texts}
+        assert {str(victim.id) for victim in plan.instance.victims} <= said
+
+
+PANELS = ("Scouting", "Assignment", "Paths")
+
+
+# Contrast, and robots apart without colour
+
+
+def test_black_and_white_are_as_far_apart_as_the_standard_says() -> None:
+    assert contrast("white", "black") == pytest.approx(21)
+    assert contrast("#777777", "white") == pytest.approx(4.48, abs=0.005)  # WCAG's own example
+
+
+@pytest.mark.parametrize("colour", PALETTE)
+def test_a_robot_stands_out_from_walls_and_its_number_from_it(colour: str) -> None:
+    assert contrast(colour, WALL) >= 2
+    assert contrast(colour, "white") >= 2
+    assert contrast(readable_on(colour), colour) >= 4.5
+
+
+@pytest.mark.parametrize("ink", [INK, FAINT, NOBODY])
+def test_text_stands_out_from_the_page(ink: str) -> None:
+    assert contrast(ink, "white") >= 4.5
+
+
+def dashes(index: int) -> tuple[float, ...]:
+    line = robot_style(index).line
+    return () if isinstance(line, str) else line[1]
+
+
+def test_ten_robots_are_apart_in_greyscale_by_dash_and_mark() -> None:
+    looks = [(dashes(i), robot_style(i).mark) for i in range(10)]
+    assert [dashed for dashed, _ in looks[:4]] == [()] * 4
+    assert len({mark for _, mark in looks[:4]}) == 4
+    for one, other in combinations([dashed for dashed, _ in looks[4:]], 2):
+        # Patterns differ in the number of strokes, or by a third of their length or of their ink.
+        ratios = [max(a, b) / min(a, b) for a, b in zip(period(one), period(other), strict=True)]
+        assert len(one) != len(other) or max(ratios) >= 4 / 3
+
+
+def period(dashed: tuple[float, ...]) -> tuple[float, float]:
+    return sum(dashed), sum(dashed[::2])
+
+
+def test_robots_of_one_colour_have_other_dashes_up_to_thirty() -> None:
+    for place in range(10):
+        looks = {dashes(index) for index in range(place, 30, 10)}
+        assert len(looks) == 3
