@@ -20,6 +20,8 @@ __all__ = ["__version__", "read", *HOME, *MODULES]
 if TYPE_CHECKING:
     from . import plots as plots
     from .certify.plan import check_plan as check_plan
+    from .mission.coarsening import coarsen as coarsen
+    from .mission.draft import draft_mission as draft_mission
     from .mission.errors import CheckError as CheckError
     from .mission.errors import InputError as InputError
     from .mission.errors import ModelError as ModelError
@@ -40,8 +42,11 @@ if TYPE_CHECKING:
     from .mission.layouts import rooms as rooms
     from .mission.layouts import rubble as rubble
     from .mission.layouts import with_pocket as with_pocket
+    from .mission.map_files import read_floor as read_floor
+    from .mission.map_files import read_floor_map as read_floor_map
     from .mission.maps import read_map as read_map
     from .mission.metrics import Metrics as Metrics
+    from .mission.occupancy import Occupancy as Occupancy
     from .mission.plan import Plan as Plan
     from .mission.plan_difference import PlanDifference as PlanDifference
     from .optimise.compile.compiled import program as program

@@ -25,6 +25,7 @@ from . import (
     exact,
     generate,
     instances,
+    maps,
     missions,
     models,
     plan_differences,
@@ -45,8 +46,8 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help starts in half the time
 )
 for group in (
-    missions, instances, generate, exact, plans, plan_differences, models, programs, proofs, compare,
-    tradeoff, study,
+    missions, instances, generate, maps, exact, plans, plan_differences, models, programs, proofs,
+    compare, tradeoff, study,
 ):  # fmt: skip
     group.register(app)
 

@@ -62,17 +62,35 @@ def read_text(path: str | Path) -> str:
 
 def _bytes_of(path: Path) -> bytes:
     """What is in `path`, up to a byte more than may be."""
+    _check_regular(path, "a regular file, or - for standard input")
+    with path.open("rb") as file:
+        return file.read(LARGEST_MIB * 2**20 + 1)
+
+
+def check_regular(path: Path) -> None:
+    """Refuse what a library could not read from `path`: no file, a folder, a device, a pipe.
+
+    Raises
+    ------
+    InputError
+        Naming the file.
+    """
+    try:
+        _check_regular(path, "a regular file")
+    except FileNotFoundError:
+        raise InputError("no such file", file=path) from None
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", file=path) from None
+
+
+def _check_regular(path: Path, right: str) -> None:
     try:
         mode = path.stat().st_mode
     except ValueError:  # a null character, or half of a surrogate pair
         raise InputError("no file can have this name", file=repr(str(path))) from None
     if not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
-        raise InputError(
-            f"cannot be read ({kind}); give a regular file, or - for standard input", file=path
-        )
-    with path.open("rb") as file:
-        return file.read(LARGEST_MIB * 2**20 + 1)
+        raise InputError(f"cannot be read ({kind}); give {right}", file=path)
 
 
 @cache
@@ -111,12 +129,53 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     return document
 
 
+def read_yaml(path: str | Path) -> Any:
+    """The YAML document in `path`; refused is what `parse_json` and `read_text` refuse, and aliases."""
+    try:
+        return _parsed(read_text(path), "YAML", _parse_yaml)
+    except InputError as error:
+        raise error.within(path) from None
+
+
+def _parse_yaml(text: str) -> Any:
+    import yaml
+
+    class Loader(yaml.SafeLoader):  # type: ignore[misc]
+        """Finds keys given twice, and takes no aliases, with which a short file can say too much."""
+
+        def compose_node(self, parent: Any, index: Any) -> Any:
+            if self.check_event(yaml.AliasEvent):
+                mark = self.peek_event().start_mark
+                raise InputError("an alias; write out what it stands for", field=_line(mark))
+            return super().compose_node(parent, index)
+
+        def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+            whole = super().construct_mapping(node, deep=True)
+            keys = [self.construct_object(key, deep=True) for key, _ in node.value]
+            return _table([(key, whole[key]) for key in keys])
+
+    try:
+        return yaml.load(text, Loader)
+    except yaml.YAMLError as error:
+        said = " ".join((getattr(error, "problem", None) or str(error)).split())
+        mark = getattr(error, "problem_mark", None)
+        raise InputError(
+            f"broken YAML: {said}", field="" if mark is None else _line(mark)
+        ) from None
+
+
+def _line(mark: Any) -> str:
+    return f"line {mark.line + 1}"
+
+
 def _parsed(text: str, language: str, parse: Callable[[str], Any]) -> Any:
     try:
         document = parse(text)
         fault = _fault(document)
     except RecursionError:
         raise InputError(f"nested too deep; give at most {DEEPEST} levels") from None
+    except InputError:
+        raise
     except ValueError as error:
         if type(error) is not ValueError:  # the parser's own
             raise InputError(f"broken {language}: {error}") from None

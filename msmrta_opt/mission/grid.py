@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import Bools, Floats, Int32s
+from .frame import Frame
 from .search import Cell as Cell
 from .search import Cells, Search, graph, search
 
@@ -42,11 +43,14 @@ class GridMap:
         What to call the map in tables and pictures.
     source : Path, optional
         The file it was read from.
+    frame : Frame, optional
+        Where the cells lie in the world, in metres.
     """
 
     free: Bools
     name: str = ""
     source: Path | None = field(default=None, repr=False)
+    frame: Frame | None = None
 
     def __post_init__(self) -> None:
         free = np.array(self.free, dtype=bool)
@@ -67,7 +71,11 @@ class GridMap:
         return tuple("".join(row) for row in np.where(self.free, ".", "@").tolist())
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, GridMap) and bool(np.array_equal(self.free, other.free))
+        return (
+            isinstance(other, GridMap)
+            and self.frame == other.frame
+            and bool(np.array_equal(self.free, other.free))
+        )
 
     def __hash__(self) -> int:
         return hash((self.free.shape, self.free.tobytes()))
@@ -81,9 +89,32 @@ class GridMap:
         """Whether `cell` lies on the map and is free."""
         return self.contains(cell) and bool(self.free[cell])
 
+    def nearest_free(self, cell: Cell) -> Cell | None:
+        """The free cell nearest to `cell` as the crow flies; of equal ones the first, row by row."""
+        free = np.argwhere(self.free)
+        if not len(free):
+            return None
+        row, col = free[((free - cell) ** 2).sum(axis=1).argmin()].tolist()
+        return row, col
+
+    def trouble(self, cell: Cell) -> str:
+        """Where a cell lies that is not free, and which one nearby is, in words."""
+        n_rows, n_cols = self.shape
+        place = (
+            "in a wall" if self.contains(cell) else f"outside the map of {n_rows} × {n_cols} cells"
+        )
+        nearest = self.nearest_free(cell)
+        if nearest is None:
+            return place
+        place += f"; the nearest free cell is {list(nearest)}"
+        if self.frame is not None:
+            x, y = self.frame.position(nearest)
+            place += f", at x {x:g}, y {y:g}"
+        return place
+
     def __reduce__(self) -> tuple[Any, ...]:
         # What has been worked out stays behind.
-        return type(self), (self.free, self.name, self.source)
+        return type(self), (self.free, self.name, self.source, self.frame)
 
     @cached_property
     def search(self) -> Search:

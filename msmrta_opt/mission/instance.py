@@ -18,23 +18,19 @@ from numpy.typing import NDArray
 from pydantic import (
     AfterValidator,
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Field,
     NonNegativeInt,
-    PlainSerializer,
     ValidationError,
-    ValidationInfo,
-    WithJsonSchema,
     field_validator,
     model_validator,
 )
 
 from . import display
-from .errors import InputError, at, shown
+from .errors import InputError, at
 from .files import write_text
-from .grid import Cell, GridMap
-from .maps import BLOCKED, FREE, grid_from_rows, read_map
+from .grid import Cell
+from .map_field import MapField, cells_of_positions
 from .shipped import find_instance
 from .validation import first_problem, read_model
 
@@ -49,48 +45,6 @@ def _moving(speed: float) -> float:
     return speed
 
 
-def _load_map(value: object, info: ValidationInfo) -> GridMap:
-    """A map from what the document holds: a path beside the file, or its rows."""
-    if isinstance(value, GridMap):
-        return value
-    if isinstance(value, str) and value != "-":  # which would be standard input
-        return read_map(Path((info.context or {}).get("folder", ".")) / value)
-    if isinstance(value, Mapping) and set(value) == {"rows"}:
-        rows = value["rows"]
-        if isinstance(rows, (list, tuple)) and all(isinstance(row, str) for row in rows):
-            return grid_from_rows(rows)
-    raise ValueError(f'{shown(value)}; give a .map file\'s path or {{"rows": ["..@.", …]}}')
-
-
-def _dump_map(grid: GridMap) -> dict[str, list[str]]:
-    return {"rows": list(grid.rows)}
-
-
-MapField = Annotated[
-    GridMap,
-    BeforeValidator(_load_map),
-    PlainSerializer(_dump_map),
-    WithJsonSchema(
-        {
-            "description": "A MovingAI .map file, relative to this one, or the rows themselves.",
-            "anyOf": [
-                {"type": "string"},
-                {
-                    "type": "object",
-                    "properties": {
-                        "rows": {
-                            "type": "array",
-                            "minItems": 1,
-                            "items": {"type": "string", "pattern": f"^[{FREE}{BLOCKED}]+$"},
-                        }
-                    },
-                    "required": ["rows"],
-                    "additionalProperties": False,
-                },
-            ],
-        }
-    ),
-]
 CellField = tuple[NonNegativeInt, NonNegativeInt]
 Id = Annotated[int, Field(ge=0, lt=2**63)]  # as arrays and ledgers hold them
 # Beyond these, sums and products of times would leave the range of floats.
@@ -107,7 +61,8 @@ class _Record(BaseModel):
 class Robot(_Record):
     """A rescue robot.
 
-    ``start`` is a cell, ``speed`` is in cells per time unit, ``capabilities`` are names of kinds.
+    ``start`` is a cell, ``speed`` is in cells per time unit, ``capabilities`` are names of kinds. Where
+    the map has a frame, a file may give a place in metres, as ``{"x": 2.5, "y": 1.0}``.
     """
 
     id: Id
@@ -326,13 +281,15 @@ class Instance(_Record):
             Naming the file, the field, the offending value and what would be right.
         """
         file = find_instance(path)
-        return read_model(cls, file, context={"folder": file.parent})
+        return read_model(cls, file, {"folder": file.parent}, cells_of_positions)
 
     @classmethod
     def from_document(cls, document: Mapping[str, Any], *, file: str | Path = "") -> Instance:
         """An instance from the document that `document` returns (its map held as rows)."""
         try:
-            return cls.model_validate_json(json.dumps(document), strict=True)
+            context: dict[str, Any] = {}
+            text = json.dumps(cells_of_positions(document, context))
+            return cls.model_validate_json(text, strict=True, context=context)
         except ValidationError as error:
             raise first_problem(error).within(file) from None
         except InputError as error:
@@ -349,7 +306,7 @@ class Instance(_Record):
         """
         path = Path(path)
         document = self.document()
-        if self.map.source is not None:
+        if self.map.source is not None and self.map.frame is None:
             source, folder = self.map.source.resolve(), path.parent.resolve()
             if source.is_relative_to(folder) and source.exists():
                 document["map"] = source.relative_to(folder).as_posix()

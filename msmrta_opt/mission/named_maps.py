@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from .errors import InputError
 from .grid import GridMap
 from .layouts import cells_out_of_reach, maze, rooms, rubble, with_pocket
+from .map_files import read_map_file
 from .maps import read_map
 from .shipped import shipped_folder
 from .suggestions import meant
@@ -25,8 +27,15 @@ def named_maps() -> dict[str, Path]:
     return {path.stem: path for path in sorted((shipped_folder() / "maps").glob("*.map"))}
 
 
-def find_map(name_or_file: str | Path) -> GridMap:
+def find_map(name_or_file: str | Path, **floor: Any) -> GridMap:
     """The map of a name in `named_maps`, or of a file.
+
+    Parameters
+    ----------
+    name_or_file : str or path
+        A file is a ``.map``, a ``map.yaml`` or an image.
+    **floor
+        How the floor in a ``map.yaml`` or an image becomes cells, see `read_floor_map`.
 
     Raises
     ------
@@ -42,7 +51,7 @@ def find_map(name_or_file: str | Path) -> GridMap:
             f" known: {', '.join(known)}",
             field="map",
         )
-    return read_map(name_or_file)
+    return read_map_file(name_or_file, **floor)
 
 
 def make_map(

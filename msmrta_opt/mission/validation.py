@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,6 +19,8 @@ _NUMBER = "give a finite number"
 _PAIR = "give two numbers, [row, col]"  # the only lists of fixed length in our documents
 
 _RIGHT = {
+    "bool_parsing": "give true or false",
+    "bool_type": "give true or false",
     "dataclass_type": 'give an object, {{"name": value, …}}',
     "dict_type": 'give an object, {{"name": value, …}}',
     "enum": "give {expected}",
@@ -43,8 +47,24 @@ _RIGHT = {
 """What would be right, by pydantic's type of error; filled in from the error's context."""
 
 
-def read_model(model: type[Model], path: str | Path, context: Any = None) -> Model:
+def read_model(
+    model: type[Model],
+    path: str | Path,
+    context: Any = None,
+    prepare: Callable[[Any, Any], Any] | None = None,
+) -> Model:
     """The `model` in a JSON file.
+
+    Parameters
+    ----------
+    model : type
+        What to read.
+    path : str or path
+        The file.
+    context : optional
+        Handed to the validators.
+    prepare : callable, optional
+        Given the document and the context, returns the document to validate in its place.
 
     Raises
     ------
@@ -53,7 +73,9 @@ def read_model(model: type[Model], path: str | Path, context: Any = None) -> Mod
     """
     try:
         text = read_text(path)
-        parse_json(text)
+        document = parse_json(text)
+        if prepare is not None and (prepared := prepare(document, context)) is not document:
+            text = json.dumps(prepared)
         return model.model_validate_json(text, strict=True, context=context)
     except ValidationError as error:
         raise first_problem(error).within(path) from None

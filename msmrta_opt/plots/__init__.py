@@ -6,9 +6,10 @@ the caller alone: pyplot does not know them, no global setting changes, no displ
 notebook, what these functions return shows itself as the last value of a cell.
 
 Panels: `scouting` and `coverage`, `assignment`, `paths`, `gantt`, and `mission` with all of them and a
-`key`; `two_plans` beside each other. On a map, a `canvas`, stand `marks` that `placing` keeps apart,
-`walks` and `clusters`, or the `overview` of a large mission. What all share: `figure`, `legends`,
-`titles`, `lettering` (any name as it is written), `style` (what stands for what), `saving`.
+`key`; `two_plans` beside each other; `floor` is what a map was made of. On a map, a `canvas`, stand
+`marks` that `placing` keeps apart, `walks` and `clusters`, or the `overview` of a large mission. What
+all share: `figure`, `legends`, `titles`, `lettering` (any name as it is written), `style` (what stands
+for what), `saving`.
 
 A robot keeps its colour in every picture (`robot_colour`), and red means unserved or unfound. Names on
 the pictures are short: R0 is the robot with id 0, S0 a scout, C0 a cluster; a disc holds a victim's id.
@@ -17,6 +18,7 @@ the pictures are short: R0 is the robot with id 0, S0 a scout, C0 a cluster; a d
 from .assignment import plot_assignment
 from .canvas import plot_map
 from .coverage import plot_coverage
+from .floor import plot_floor
 from .gantt import plot_gantt
 from .mission import plot_mission
 from .paths import plot_paths
@@ -29,6 +31,7 @@ __all__ = [
     "FORMATS",
     "plot_assignment",
     "plot_coverage",
+    "plot_floor",
     "plot_gantt",
     "plot_map",
     "plot_mission",

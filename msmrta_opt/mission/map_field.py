@@ -1,0 +1,191 @@
+"""The map of an instance file, in each way that it can be given, and places on it in metres."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    ValidationError,
+    ValidationInfo,
+    WithJsonSchema,
+)
+
+from .errors import InputError, at, shown
+from .frame import Frame
+from .grid import GridMap
+from .map_files import OPTIONS, read_map_file
+from .maps import BLOCKED, FREE, grid_from_rows
+from .ros_map import Coordinate, Origin
+from .validation import first_problem, said_of
+
+Length = Annotated[float, Field(strict=True, gt=0, le=1e9, allow_inf_nan=False)]
+Radius = Annotated[float, Field(strict=True, ge=0, le=1e9, allow_inf_nan=False)]
+
+
+class _Floor(BaseModel):
+    """A floor in a ``map.yaml`` or an image; see `map_files.read_floor_map`."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    file: str
+    cell_size: Length
+    robot_radius: Radius = 0.0
+    unknown: Literal["blocked", "free"] = "blocked"
+    resolution: Length | None = None
+
+
+class _Frame(BaseModel):
+    """Where the cells lie in the world; see `Frame`."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    cell_size: Length
+    origin: Origin
+
+
+class _Position(BaseModel):
+    """A place in metres."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    x: Coordinate
+    y: Coordinate
+
+
+def load_map(value: object, folder: Path) -> GridMap:
+    """A map from what a document in `folder` holds: a path, its rows, or a floor.
+
+    Raises
+    ------
+    InputError, ValueError
+        If it is none of them, or what it names cannot be read.
+    """
+    if isinstance(value, GridMap):
+        return value
+    if isinstance(value, str) and value != "-":  # which would be standard input
+        return read_map_file(folder / value)
+    if isinstance(value, Mapping) and {"rows"} <= set(value) <= {"rows", "frame"}:
+        rows = value["rows"]
+        if isinstance(rows, (list, tuple)) and all(isinstance(row, str) for row in rows):
+            grid = grid_from_rows(rows)
+            if value.get("frame") is None:
+                return grid
+            frame = _validated(_Frame, value["frame"], "frame")
+            return replace(grid, frame=Frame(frame.cell_size, frame.origin, len(rows)))
+    if isinstance(value, Mapping) and {"file"} <= set(value) <= {"file", *OPTIONS}:
+        floor = _validated(_Floor, value, "")
+        return read_map_file(
+            folder / floor.file, **floor.model_dump(exclude={"file"}, exclude_none=True)
+        )
+    raise ValueError(
+        f'{shown(value)}; give a .map file\'s path or {{"rows": ["..@.", …]}}, or for a floor '
+        '{"file": "map.yaml", "cell_size": 0.5}'
+    )
+
+
+def cells_of_positions(document: Any, context: dict[str, Any]) -> Any:
+    """`document`, an instance's, with each place in metres replaced by the cell in which it lies.
+
+    Parameters
+    ----------
+    document : object
+        As JSON holds it; itself, if no place is in metres.
+    context : dict
+        Its ``folder`` is where the document lies; the map, if it is needed, is kept in ``map``.
+
+    Raises
+    ------
+    InputError
+        If the map has no frame, or a place is not on it.
+    """
+    if not isinstance(document, Mapping):
+        return document
+    places = [
+        (group, i, field)
+        for group, field in (("robots", "start"), ("victims", "cell"), ("scouts", "start"))
+        if isinstance(document.get(group), (list, tuple))
+        for i, member in enumerate(document[group])
+        if isinstance(member, Mapping) and isinstance(member.get(field), Mapping)
+    ]
+    if not places:
+        return document
+    changed = dict(document)
+    try:
+        grid = context["map"] = load_map(changed.get("map"), Path(context.get("folder", ".")))
+    except InputError as error:
+        raise said_of("map", error) from None
+    except ValueError as error:
+        raise InputError(str(error), field="map") from None
+    for group, i, field in places:
+        where = at(group, i, field)
+        members = changed[group] = list(changed[group])
+        position = _validated(_Position, members[i][field], where)
+        if grid.frame is None:
+            raise InputError(
+                f"{shown(members[i][field])}; this map has no frame, so give a cell, [row, col]",
+                field=where,
+            )
+        cell = grid.frame.cell(position.x, position.y)
+        if not grid.is_free(cell):
+            raise InputError(
+                f"x {position.x:g}, y {position.y:g} is {grid.trouble(cell)}", field=where
+            )
+        members[i] = {**members[i], field: cell}
+    return changed
+
+
+def _validated(model: type[Any], value: Any, field: str) -> Any:
+    try:
+        return model.model_validate(value)
+    except ValidationError as error:
+        raise said_of(field, first_problem(error)) from None
+
+
+def _load(value: object, info: ValidationInfo) -> GridMap:
+    context = info.context or {}
+    return context["map"] if "map" in context else load_map(value, Path(context.get("folder", ".")))
+
+
+def _dump(grid: GridMap) -> dict[str, Any]:
+    rows = {"rows": list(grid.rows)}
+    if grid.frame is None:
+        return rows
+    return rows | {"frame": {"cell_size": grid.frame.cell_size, "origin": list(grid.frame.origin)}}
+
+
+MapField = Annotated[
+    GridMap,
+    BeforeValidator(_load),
+    PlainSerializer(_dump),
+    WithJsonSchema(
+        {
+            "description": "A MovingAI .map file, relative to this one; the rows themselves, with "
+            "the map's place in the world if it has one; or a floor of a map.yaml or an image.",
+            "anyOf": [
+                {"type": "string"},
+                {
+                    "type": "object",
+                    "properties": {
+                        "rows": {
+                            "type": "array",
+                            "minItems": 1,
+                            "items": {"type": "string", "pattern": f"^[{FREE}{BLOCKED}]+$"},
+                        },
+                        "frame": _Frame.model_json_schema(),
+                    },
+                    "required": ["rows"],
+                    "additionalProperties": False,
+                },
+                _Floor.model_json_schema(),
+            ],
+        }
+    ),
+]

@@ -1,0 +1,195 @@
+"""Places in metres and by cell: in mission files, in CSV files, and typed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from msmrta_opt.mission.draft import VICTIM_FIELDS, draft_mission
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.frame import Frame
+from msmrta_opt.mission.grid import GridMap
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.places import cell_of, read_places, typed_place
+
+# Cells of half a metre; the wall is in the upper row's middle, x 10.5 to 11, y 20.5 to 21.
+GRID = GridMap(
+    np.array([[True, False, True], [True, True, True]]), frame=Frame(0.5, (10, 20, 0), 2)
+)
+
+
+def document(**changes: Any) -> dict[str, Any]:
+    return {
+        "format": "msmrta-instance/1",
+        "map": {"rows": [".@.", "..."], "frame": {"cell_size": 0.5, "origin": [10, 20, 0]}},
+        "capabilities": ["help"],
+        "service_time": {"help": 5},
+        "robots": [
+            {"id": 0, "start": {"x": 10.1, "y": 20.1}, "speed": 1, "capabilities": ["help"]}
+        ],
+        "victims": [{"id": 4, "cell": {"x": 11.2, "y": 20.9}, "requirements": ["help"]}],
+        **changes,
+    }
+
+
+def test_places_in_metres_become_cells() -> None:
+    mission = Instance.from_document(document())
+    assert mission.starts == [(1, 0)]
+    assert mission.cells == [(0, 2)]
+
+
+def test_a_saved_mission_keeps_the_place_of_its_map(tmp_path: Path) -> None:
+    mission = Instance.from_document(document())
+    mission.save(tmp_path / "mission.json")
+    again = Instance.read(tmp_path / "mission.json")
+    assert again == mission
+    assert again.map.frame == Frame(0.5, (10, 20, 0), 2)
+
+
+def test_a_mission_may_name_a_floor(tmp_path: Path) -> None:
+    Image.fromarray(np.full((10, 20), 255, np.uint8)).save(tmp_path / "floor.png")
+    floor = {"file": "floor.png", "resolution": 0.1, "cell_size": 0.5, "robot_radius": 0.1}
+    made = document(map=floor, victims=[])
+    made["robots"][0]["start"] = {"x": 0.6, "y": 0.1}
+    path = tmp_path / "mission.json"
+    path.write_text(json.dumps(made), encoding="utf-8")
+    mission = Instance.read(path)
+    assert mission.map.shape == (2, 4)
+    assert mission.starts == [(1, 1)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (
+            {"victims": [{"id": 1, "cell": {"x": 10.7, "y": 20.7}, "requirements": []}]},
+            "victims[0].cell: x 10.7, y 20.7 is in a wall; the nearest free cell is [0, 0], "
+            "at x 10.25, y 20.75",
+        ),
+        (
+            {"victims": [{"id": 1, "cell": {"x": 99, "y": 20.1}, "requirements": []}]},
+            "victims[0].cell: x 99, y 20.1 is outside the map of 2 × 3 cells; the nearest free cell",
+        ),
+        (
+            {"victims": [{"id": 1, "cell": {"x": 10.1}, "requirements": []}]},
+            "victims[0].cell.y: is missing",
+        ),
+        (
+            {"map": {"rows": ["..."]}},
+            'robots[0].start: {"x": 10.1, "y": 20.1}; this map has no frame, so give a cell',
+        ),
+        (
+            {"map": {"rows": ["..."], "frame": {"cell_size": 0, "origin": [0, 0, 0]}}},
+            "map.frame.cell_size: 0; give a number above 0",
+        ),
+        ({"map": {"file": "gone.yaml"}}, "map.cell_size: is missing"),
+        ({"map": {"file": "gone.yaml", "cell_size": 1}}, "map: gone.yaml: no such file"),
+        ({"map": {"file": "gone.yaml", "cells": 1}}, "map: {"),
+    ],
+)
+def test_a_place_or_map_that_cannot_be_taken_gets_one_line(
+    changes: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        Instance.from_document(document(**changes))
+    assert str(refused.value).startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("values", "cell"),
+    [
+        ({"x": "10.1", "y": "20.6"}, (0, 0)),
+        ({"x": "10.6", "y": "20.1"}, (1, 1)),
+        ({"row": "1", "col": "2"}, (1, 2)),
+    ],
+)
+def test_a_place_is_a_cell_or_a_point(values: dict[str, str], cell: tuple[int, int]) -> None:
+    assert cell_of(values, GRID) == cell
+
+
+def test_a_point_in_a_wall_is_moved_as_far_as_allowed() -> None:
+    # Its own cell's centre is half a metre from those beside and below, of which the first is taken.
+    values = {"x": "10.75", "y": "20.75"}
+    assert cell_of(values, GRID, snap=0.5) == (0, 0)
+    with pytest.raises(InputError, match="is in a wall"):
+        cell_of(values, GRID, snap=0.49)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({}, "has no place; give x and y, or row and col"),
+        ({"x": "1"}, "has x; give x and y, or row and col"),
+        ({"x": "1", "y": "1", "row": "1", "col": "1"}, "has x, y, row, col; give x and y, or"),
+        ({"row": "-1", "col": "0"}, "row: '-1'; give a whole number, 0 or more"),
+        ({"row": "0", "col": "1"}, "row 0, col 1 is in a wall; the nearest free cell is"),
+        ({"x": "nan", "y": "0"}, "x nan, y 0.0; give finite numbers"),
+        ({"x": "one", "y": "0"}, "x: 'one'; give a number"),
+    ],
+)
+def test_a_place_that_is_none_gets_one_line(values: dict[str, str], said: str) -> None:
+    with pytest.raises(InputError) as refused:
+        cell_of(values, GRID)
+    assert str(refused.value).startswith(said)
+
+
+@pytest.mark.parametrize("mark", [",", ";"])
+def test_places_are_read_from_a_csv_file(tmp_path: Path, mark: str) -> None:
+    path = tmp_path / "victims.csv"
+    lines = ["id,x,y,requirements,priority", "7,10.1,20.6,help+food,2", ",11.2,20.1,,", ""]
+    path.write_text("\n".join(lines).replace(",", mark), encoding="utf-8-sig")
+    rows = read_places(path, VICTIM_FIELDS)
+    mission = draft_mission(
+        GRID, [{"row": "1", "col": "1"}], rows, service_time={"help": 5, "food": 3}
+    )
+    assert [(v.id, v.cell, v.requirements, v.priority) for v in mission.victims] == [
+        (7, (0, 0), ("help", "food"), 2.0),
+        (0, (1, 2), ("help",), 1.0),
+    ]
+    assert mission.robots[0].capabilities == ("help", "food")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("id,z\n", "line 1: unknown column 'z'; known: x, y, row, col, id"),
+        ("id,id\n", "line 1: column 'id' is given twice"),
+        ("row,col\n1,2,3\n", "line 2: 3 values for 2 columns"),
+    ],
+)
+def test_a_broken_csv_file_gets_one_line(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "victims.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        read_places(path, VICTIM_FIELDS)
+    assert str(refused.value).startswith(f"{path}: {said}")
+
+
+def test_a_bad_row_is_named_by_its_place() -> None:
+    rows = [{"row": "1", "col": "1"}, {"row": "0", "col": "1"}]
+    with pytest.raises(InputError, match=r"^victims\[1\]: row 0, col 1 is in a wall"):
+        draft_mission(GRID, 1, rows)
+    with pytest.raises(InputError, match=r"^victims\[0\].priority: 'high'; give a number"):
+        draft_mission(GRID, 1, [{"row": "1", "col": "1", "priority": "high"}])
+
+
+def test_a_place_is_typed_as_names_with_values() -> None:
+    typed = typed_place("x=1.5, y=2, requirements=help", VICTIM_FIELDS)
+    assert typed == {"x": "1.5", "y": "2", "requirements": "help"}
+    with pytest.raises(InputError, match=r"^'speed=1'; give name=value of x, y"):
+        typed_place("x=1,speed=1", VICTIM_FIELDS)
+    with pytest.raises(InputError, match=r"^'x' is given twice"):
+        typed_place("x=1,x=2", VICTIM_FIELDS)
+
+
+def test_places_at_random_are_the_same_for_a_seed() -> None:
+    grid = GridMap(np.ones((8, 8), dtype=bool))
+    first, again = (draft_mission(grid, 2, 5, service_time={"help": 1}, seed=3) for _ in range(2))
+    assert first == again
+    assert (first.n_robots, first.n_victims) == (2, 5)
+    assert first.capabilities == ("help",)
