@@ -10,12 +10,14 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+POLL_SECONDS = 0.05
+"""How often those look who wait for work that does not look itself."""
 
 
 @dataclass
@@ -26,6 +28,7 @@ class _State:
     signal: int = signal.SIGINT
     in_command: bool = False
     is_heeded: bool = False
+    of_parent: Callable[[], bool] = lambda: False
 
 
 _now = _State()
@@ -33,7 +36,25 @@ _now = _State()
 
 def interrupted() -> bool:
     """Whether the user has asked to end: to be looked at by whatever takes long."""
-    return _now.asked.is_set()
+    return _now.asked.is_set() or _now.of_parent()
+
+
+def listen_to_parent(asks: Callable[[], bool]) -> None:
+    """In a process that works for another: take what `asks` says for an interruption, too."""
+    _now.of_parent = asks
+
+
+def until_interrupted(work: Callable[[], object], end: Callable[[], object]) -> None:
+    """Do `work` in a thread, and call `end` again and again once the user asks, until it ends.
+
+    For libraries that look at nothing while they work, but can be told from beside.
+    """
+    working = threading.Thread(target=work, daemon=True)
+    working.start()
+    while working.is_alive():
+        working.join(POLL_SECONDS)
+        if interrupted() and working.is_alive():
+            end()
 
 
 def exit_status() -> int:

@@ -24,8 +24,11 @@ from multiprocessing.connection import Connection, wait
 from types import ModuleType
 from typing import Any, Literal
 
+from . import interruption
 from .mission.errors import InputError, MsmrtaError
 
+END = None
+"""What is sent to a worker instead of a call, so that the one that goes on ends."""
 POLL_SECONDS = 0.05
 """How often a run is looked at while it says nothing."""
 MEMORY_SECONDS = 0.1
@@ -111,6 +114,7 @@ class Worker:
         *arguments: Any,
         limits: Limits | None = None,
         should_stop: Callable[[], bool] | None = None,
+        grace: float = 0.0,
     ) -> Any:
         """What ``function(*arguments)`` returns there, or a `Failure`.
 
@@ -126,6 +130,8 @@ class Worker:
             Of this call.
         should_stop : callable, optional
             Looked at while the call goes on: once true, nobody waits for it any more.
+        grace : float
+            Seconds for which it is waited for then all the same; it is told by `interrupted`.
         """
         try:
             self._connection.send((function, arguments))
@@ -133,6 +139,7 @@ class Worker:
             return self._post_mortem()
         limits = limits or Limits()
         began = weighed = time.monotonic()
+        asked: float | None = None
         while True:
             ready = wait([self._connection, self._process.sentinel], POLL_SECONDS)
             # In this order: a call that answers and ends between two questions has answered.
@@ -146,9 +153,13 @@ class Worker:
                     return Failure("raised", said)
             if ready:
                 return self._post_mortem()
-            if should_stop is not None and should_stop():
-                return Failure("stopped", "killed on request")
             now = time.monotonic()
+            if asked is None and should_stop is not None and should_stop():
+                asked = now
+                with suppress(OSError):
+                    self._connection.send(END)
+            if asked is not None and now - asked >= grace:
+                return Failure("stopped", "killed on request")
             if limits.time is not None and now - began > limits.time:
                 return Failure("timed out", f"killed after {limits.time:g} s")
             if limits.memory is not None and now - weighed > MEMORY_SECONDS:
@@ -294,12 +305,16 @@ def _serve(connection: Connection) -> None:
     with closing(connection):
         while True:
             try:
-                function, arguments = connection.recv()
+                asked = connection.recv()
+                if asked is END:  # of a call that has ended
+                    continue
+                function, arguments = asked
             except (EOFError, OSError):
                 return
             except Exception as error:
                 result: Any = _raised(error)
             else:
+                interruption.listen_to_parent(_seldom(connection.poll))
                 result = _result_of(function, arguments)
             try:
                 connection.send(result)
@@ -309,6 +324,20 @@ def _serve(connection: Connection) -> None:
                 # Pickling comes before sending, so nothing has been sent yet.
                 said = f"the result cannot be sent ({type(error).__name__}: {error})"
                 connection.send(Failure("raised", said))
+
+
+def _seldom(look: Callable[[], bool]) -> Callable[[], bool]:
+    """`look`, at most once in `POLL_SECONDS`, until it is true; solvers may ask at every step."""
+    last, found = -POLL_SECONDS, False
+
+    def looked() -> bool:
+        nonlocal last, found
+        now = time.monotonic()
+        if not found and now - last >= POLL_SECONDS:
+            last, found = now, look()
+        return found
+
+    return looked
 
 
 def _result_of(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:

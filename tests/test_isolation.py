@@ -14,7 +14,7 @@ from typing import Any
 
 import psutil
 import pytest
-from support.misbehaviour import do, double, note_or_wait
+from support.misbehaviour import do, double, note_or_wait, work_until_interrupted
 
 from msmrta_opt.isolation import Failure, Limits, Worker, run_alone, run_isolated
 from msmrta_opt.mission.errors import InputError
@@ -179,3 +179,22 @@ def test_a_script_without_a_guard_is_not_run_again(tmp_path: Path) -> None:
     )
     answer = subprocess.run([sys.executable, script], capture_output=True, text=True)
     assert (answer.stdout, answer.stderr) == ("[(0, -1), (1, -2)]\n", "")
+
+
+def test_a_call_that_is_asked_to_end_gives_what_it_has_and_its_process_goes_on(
+    tmp_path: Path,
+) -> None:
+    with Worker() as worker:
+        for name in ("first", "second"):
+            begun = tmp_path / name
+            given = worker.call(
+                work_until_interrupted, str(begun), should_stop=begun.exists, grace=600
+            )
+            assert given == "what there is"
+        assert worker.call(double, 3) == 6
+
+
+def test_a_call_that_does_not_end_when_it_is_asked_is_killed_after_the_grace() -> None:
+    with Worker() as worker:
+        found = worker.call(do, "hang", should_stop=lambda: True, grace=0.1)
+        assert found == Failure("stopped", "killed on request")

@@ -6,11 +6,16 @@ import ctypes
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+from msmrta_opt import interruption
+from msmrta_opt.interruption import interrupted
 from msmrta_opt.mission.files import write_text
+from msmrta_opt.optimise.program import Program
+from msmrta_opt.optimise.solvers import Options, Outcome, cpsat
 
 EATEN_MEBIBYTES = 600
 """What a memory eater takes before it waits to be stopped."""
@@ -33,6 +38,30 @@ def do(what: str, number: int = 0) -> object:
         "lambda": lambda: lambda: None,
     }
     return wrong[what]() if what in wrong else double(number)
+
+
+def work_until_interrupted(path: str) -> str:
+    """Say so in `path` that work has begun, and go on until it is asked for what there is."""
+    write_text(path, "begun")
+    while not interrupted():
+        time.sleep(0.01)
+    return "what there is"
+
+
+def cpsat_until_its_first_incumbent(asked: Program) -> Outcome:
+    """CP-SAT's outcome, if it is interrupted as soon as it has an incumbent."""
+    from ortools.sat.python import cp_model
+
+    found = threading.Event()
+
+    class Watch(cp_model.CpSolverSolutionCallback):
+        def on_solution_callback(self) -> None:
+            found.set()
+
+    solve = cp_model.CpSolver.solve
+    cp_model.CpSolver.solve = lambda solver, model: solve(solver, model, Watch())
+    interruption.listen_to_parent(found.is_set)
+    return cpsat._solve(asked, Options())
 
 
 def eat() -> None:

@@ -17,6 +17,9 @@ from ...mission.errors import SolverError
 from ..program import Program
 from .base import Options, Outcome
 
+GRACE_SECONDS = 1.0
+"""For a solver that is asked to end with its incumbent, before its process is killed."""
+
 _lock = threading.Lock()
 _worker: tuple[int, Worker] | None = None
 """The process that started it, whose child it is, and no fork's of that process."""
@@ -30,7 +33,8 @@ def run_apart(
     Parameters
     ----------
     function : callable
-        At the top level of a module, so that the child can import it.
+        At the top level of a module, so that the child can import it. If it looks at `interrupted`, it
+        can end with its incumbent.
     program : Program
         The arrays.
     options : Options
@@ -48,7 +52,7 @@ def run_apart(
         kept = False
         try:
             outcome: Outcome | Failure = _worker[1].call(
-                function, program, options, should_stop=interrupted
+                function, program, options, should_stop=interrupted, grace=GRACE_SECONDS
             )
             kept = not isinstance(outcome, Failure) or outcome.reason == "raised"
         finally:
@@ -59,7 +63,7 @@ def run_apart(
     if outcome.reason == "raised":
         raise outcome.error or SolverError(outcome.message)
     if interrupted():
-        return Outcome("no_solution", message="interrupted")
+        return Outcome("no_solution", message="interrupted: it could not be asked for an incumbent")
     raise SolverError(f"the solver's process {outcome.message}")
 
 

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Floats, Ints
+from ...interruption import until_interrupted
 from ...mission.errors import UnsupportedError
 from ..program import Program
 from .apart import run_apart
@@ -148,8 +149,9 @@ def _solve(program: Program, options: Options) -> Outcome:
     parameters.log_search_progress = options.verbose
     if options.time_limit is not None:
         parameters.max_time_in_seconds = options.time_limit
-    status = solver.status_name(solver.solve(model))
-
+    ends: list[Any] = []
+    until_interrupted(lambda: ends.append(solver.solve(model)), solver.stop_search)
+    status = solver.status_name(*ends)
     nodes = int(solver.num_branches)
     if status == "INFEASIBLE":
         return Outcome("infeasible", nodes=nodes, message=status)

@@ -8,10 +8,14 @@ gap reached implies.
 from __future__ import annotations
 
 import time
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
+from ...arrays import Floats
 from ..program import Program
 from .apart import run_apart
 from .base import Options, Outcome, Solver
@@ -22,12 +26,31 @@ LONGEST = 2**31 - 1
 
 
 def run(program: Program, options: Options) -> Outcome:
-    """Solve `program` with GLPK, in a process of its own: GLPK ends its process on an error."""
-    return run_apart(_solve, program, options)
+    """Solve `program` with GLPK, in a process of its own: GLPK ends its process on an error.
+
+    It cannot be asked to end. So it writes down each incumbent, which remains if its process is killed.
+    """
+    with TemporaryDirectory() as folder:
+        saved = Path(folder) / "incumbent"
+        outcome = run_apart(partial(_solve, saved=str(saved)), program, options)
+        if outcome.x is None and outcome.status == "no_solution" and saved.exists():
+            x = _written(saved.read_text(), program.n_columns)
+            if x is not None:
+                return Outcome(
+                    "feasible", x, message="interrupted: the incumbent that it wrote last"
+                )
+    return outcome
 
 
-def _solve(program: Program, options: Options) -> Outcome:
-    """The relaxation by the simplex method, then branch and cut."""
+def _written(text: str, n: int) -> Floats | None:
+    """The point in GLPK's file of a solution, ``None`` where that is not whole."""
+    lines = [line.split() for line in text.splitlines()]
+    values = [float(words[2]) for words in lines if words[:1] == ["j"] and len(words) == 3]
+    return np.array(values) if lines[-1:] == [["e", "o", "f"]] and len(values) == n else None
+
+
+def _solve(program: Program, options: Options, saved: str = "") -> Outcome:
+    """The relaxation by the simplex method, then branch and cut, each incumbent written to `saved`."""
     import swiglpk as glp
 
     began = time.perf_counter()
@@ -56,7 +79,7 @@ def _solve(program: Program, options: Options) -> Outcome:
             return Outcome("error", message=f"GLPK: simplex ends with code {code}, status {status}")
         if not program.integer.any():
             return _of_relaxation(glp, problem, program)
-        return _integer(glp, problem, program, options, began)
+        return _integer(glp, problem, program, options, began, saved)
     finally:
         glp.glp_delete_prob(problem)
 
@@ -113,7 +136,9 @@ def _of_relaxation(glp: Any, problem: Any, program: Program) -> Outcome:
     )
 
 
-def _integer(glp: Any, problem: Any, program: Program, options: Options, began: float) -> Outcome:
+def _integer(
+    glp: Any, problem: Any, program: Program, options: Options, began: float, saved: str
+) -> Outcome:
     root = glp.glp_get_obj_val(problem)
     gap = options.gap or 0.0
     parameters = glp.glp_iocp()
@@ -125,6 +150,8 @@ def _integer(glp: Any, problem: Any, program: Program, options: Options, began: 
     parameters.tol_int, parameters.tol_obj = 1e-7, 1e-10
     parameters.mip_gap = gap
     parameters.tm_lim = _milliseconds(options, began)
+    if saved:
+        parameters.save_sol = saved
     code = glp.glp_intopt(problem, parameters)
     status = glp.glp_mip_status(problem)
     if code == glp.GLP_ENOPFS or (code == 0 and status == glp.GLP_NOFEAS):

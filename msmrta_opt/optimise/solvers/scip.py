@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from typing import Any
 
 import numpy as np
 
-from ...interruption import interrupted
+from ...interruption import until_interrupted
 from ..program import Program
 from .base import Options, Outcome, Solver
 from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible
-
-POLLED = 0.05
-"""Seconds from one look at whether to stop to the next."""
 
 
 @relaxation_first
@@ -31,21 +27,11 @@ def run(program: Program, options: Options) -> Outcome:
     variables = _fill(pyscipopt, model, program)
     if options.start is not None:
         _give_start(model, variables, options.start)
-    _optimize(model)
+    until_interrupted(model.optimizeNogil, model.interruptSolve)
     status = model.getStatus()
     if status in ("unbounded", "inforunbd"):
         return unbounded_or_infeasible(run, program, options, began)
     return _outcome(model, variables, program, status)
-
-
-def _optimize(model: Any) -> None:
-    """Let SCIP work beside this thread, which listens for an interruption meanwhile."""
-    working = threading.Thread(target=model.optimizeNogil, daemon=True)
-    working.start()
-    while working.is_alive():
-        working.join(POLLED)
-        if interrupted() and working.is_alive():
-            model.interruptSolve()
 
 
 def _set_options(model: Any, options: Options) -> None:
