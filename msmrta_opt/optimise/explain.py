@@ -234,7 +234,7 @@ class _System:
         truth = settle(part)
         if truth is not None:
             return truth.x is None
-        if is_badly_scaled(part):
+        if is_badly_scaled(scaled(part, scaling(part))):
             return False
         other = solvers()["scip"]
         if not other.installed:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -76,7 +77,7 @@ class Verifier:
             return name, outcome
         if not self._holds(outcome.x):
             return self._another(name, outcome) if own else (name, outcome)
-        if outcome.status == "optimal" and outcome.duals is None and is_badly_scaled(self.tight):
+        if outcome.status == "optimal" and outcome.duals is None and self._is_badly_scaled:
             if own:
                 return self._compared(name, outcome)
             return name, self._claimed(f"{name} alone", outcome)
@@ -96,6 +97,11 @@ class Verifier:
 
     def _holds(self, x: Floats | None) -> bool:
         return x is not None and not self.look_at(x).wrong
+
+    @cached_property
+    def _is_badly_scaled(self) -> bool:
+        """Whether it is so as solvers get it."""
+        return is_badly_scaled(scaled(self.tight, scaling(self.tight)))
 
     def _has_bounds(self) -> bool:
         """Whether the bounds alone keep the objective from being unbounded."""
@@ -191,7 +197,7 @@ class Verifier:
                 said = f"{name} calls it infeasible, but {other} has a feasible point"
                 if own or other == name:
                     second = replace(second, message=said)
-                    if second.status == "optimal" and is_badly_scaled(self.tight):
+                    if second.status == "optimal" and self._is_badly_scaled:
                         second = replace(second, status="claimed")
                     return other, second
                 return name, Outcome("contradicted", message=said)
@@ -204,7 +210,7 @@ class Verifier:
                 "no_solution", message=f"{name} alone claims that it is infeasible"
             )
         who = f"{name}, and {' and '.join(agree)}"
-        if is_badly_scaled(self.tight):
+        if self._is_badly_scaled:
             said = f"claimed to be infeasible by {who}: {VERY_DIFFERENT}"
             return name, Outcome("no_solution", message=said)
         return name, replace(outcome, proof=who)
