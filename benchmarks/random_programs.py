@@ -351,20 +351,22 @@ def _of_continuous(
     size = np.abs(forms).max(axis=1)
     for basis in combinations(range(len(forms)), k):
         square = forms[list(basis)]
-        if (
-            abs(np.linalg.det(square)) < 1e-9 * np.prod(size[list(basis)])
-            or not size[list(basis)].all()
-        ):
+        # By Cramer's rule, so that what is 0 stays 0.
+        adjugate = np.eye(1) if k == 1 else np.array([[1, -1], [-1, 1]]) * square[::-1, ::-1].T
+        determinant = float((square @ adjugate)[0, 0])
+        if abs(determinant) <= 1e-9 * np.prod(size[list(basis)]):
             continue
-        inverse = np.linalg.inv(square)
+        inverse = adjugate / determinant
         for choice in np.ndindex(*(2,) * k):
             ends = np.stack(
                 [(low, high)[side][:, i] for i, side in zip(basis, choice, strict=True)], axis=1
             )
             there = np.asarray(np.isfinite(ends).all(axis=1))
-            z = np.where(there[:, None], ends, 0.0) @ inverse.T
+            ends = np.where(there[:, None], ends, 0.0)
+            z = ends @ inverse.T
             activity = z @ forms.T
-            terms = np.abs(z) @ np.abs(forms).T
+            # What z is a sum of may be larger than z.
+            terms = np.abs(ends) @ np.abs(inverse).T @ np.abs(forms).T
             within = np.abs(np.where(np.isfinite(low), low, 0.0))
             within = np.maximum(within, np.abs(np.where(np.isfinite(high), high, 0.0)))
             near = rounding * (terms + within)

@@ -124,7 +124,11 @@ def row_misses(program: Program, x: Floats) -> tuple[Floats, Floats]:
         np.where(np.isfinite(program.row_lower), np.abs(program.row_lower), 0.0),
         np.where(np.isfinite(program.row_upper), np.abs(program.row_upper), 0.0),
     )
-    unit = 1.0 / scaling(program).row
+    size = sides.copy()
+    rows = np.repeat(np.arange(program.n_rows), np.diff(program.matrix.indptr))
+    np.fmax.at(size, rows, np.abs(program.matrix.data))
+    # Where a column is scaled by much, the unit of its rows may be larger than all that is in them.
+    unit = np.minimum(1.0 / scaling(program).row, size)
     allowed = np.where(decimal, ROUNDING * np.maximum(terms, sides), TOLERANCE * (unit + terms))
     allowed[whole] = 0.0
     allowed[np.diff(program.matrix.indptr) == 0] = ROUNDING

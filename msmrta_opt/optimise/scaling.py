@@ -65,10 +65,13 @@ def _equilibrated(program: Program) -> tuple[Floats, Floats]:
     at, of = (part[there] for part in matrix.coords)
     size = np.log2(np.abs(matrix.data[there]))
     row, column = np.zeros(program.n_rows), np.zeros(program.n_columns)
+    # A column is not divided by more than it can reach: its bounds would fall below all tolerances.
+    reach = np.maximum(np.abs(program.lower), np.abs(program.upper))
+    most = np.log2(reach, where=(reach > 0) & np.isfinite(reach), out=np.full(len(reach), np.inf))
     for _ in range(ROUNDS):
         row = -_middle(at, size + column[of], program.n_rows)
         column = -_middle(of, size + row[at], program.n_columns)
-        column[program.integer] = 0.0
+        column = np.where(program.integer, 0.0, np.minimum(column, np.floor(most)))
     row = -_middle(at, size + np.round(column)[of], program.n_rows)
     return 2.0 ** np.round(row), 2.0 ** np.round(column)
 

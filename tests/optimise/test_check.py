@@ -12,6 +12,7 @@ from support.programs import INF, assignment_programs, best_value, program, stru
 
 from msmrta_opt.optimise.check import TOLERANCE, dual_bound, settled, violations
 from msmrta_opt.optimise.program import Block, Program
+from msmrta_opt.optimise.solve import solve_program
 
 # Two robots, two clusters; x is 2 × 2 in the order x[0,0], x[1,0], x[0,1], x[1,1].
 POSTS = replace(
@@ -163,3 +164,19 @@ def test_a_price_that_leans_on_a_side_that_is_not_there_proves_nothing(
     assert dual_bound(at_most, np.array([size])) == nothing
     free = program([[1, 0]], 1, [0, size], upper=INF, lower=-INF, sense=sense)  # type: ignore[arg-type]
     assert dual_bound(free, np.array([0.0])) == nothing
+
+
+def test_a_tolerance_is_no_larger_than_what_is_in_a_row() -> None:
+    """1e6 z ≤ 750002 is missed at z = 3, however small z is in another row."""
+    asked = program(
+        [[0, 1e6], [3e5, 3e-5]],
+        [750002, -299998.9999775],
+        [0, -1e5],
+        lower=[-1, 0],
+        upper=[-1, 3],
+        integer=[True, False],
+    )
+    (found,) = violations(asked, np.array([-1.0, 3.0]))
+    assert found == "row 'row 0' is missed by 2.2e+06"
+    for solver in ("auto", "highs", "scip", "glpk"):
+        assert solve_program(asked, solver=solver).objective == pytest.approx(-75000.2)
