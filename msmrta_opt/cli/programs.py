@@ -135,8 +135,8 @@ def _show_solution(solution: Solution) -> None:
         ("nodes", solution.nodes),
         ("variables, rows", f"{solution.n_variables}, {solution.n_rows}"),
     ]
-    if solution.message:
-        rows.append(("the solver says", solution.message))
+    if solution.reason:
+        rows.append(("the solver says", solution.reason))
     table(solution.formulation, ["what", "value"], rows)
     if solution.found:
         table("Variables that are not zero", ["variable", "value"], solution.nonzero())

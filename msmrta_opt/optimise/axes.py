@@ -71,7 +71,9 @@ class StageData:
     axes = MappingProxyType[str, Axis]({})
     """The axes by letter, in the order in which arrays and variables have them."""
     solution = MappingProxyType[str, tuple[str, ...]]({})
-    """The variables that the stage reads, with their axes."""
+    """The variables that the stage reads, each entry 0 or 1, with their axes."""
+    may_be_one = MappingProxyType[str, str]({})
+    """By such a variable the field, over the same axes, without which an entry must be 0."""
 
     ids: Mapping[str, Sequence[Id]] = field(default_factory=dict, kw_only=True, repr=False)
     """By the letter of an axis, the ids along it; positions where none are given."""

@@ -28,6 +28,7 @@ class ClusteringData(StageData):
     stage = "clustering"
     axes = MappingProxyType({"i": Axis("cell"), "j": Axis("median", of="i")})
     solution = MappingProxyType({"y": ("i", "j")})
+    may_be_one = MappingProxyType({"y": "can_reach"})
 
     distance: Floats = field(metadata=over("i", "j"))
     """Walking distance from cell i to cell j, in cells."""
@@ -70,6 +71,7 @@ class VictimData(StageData):
     stage = "victim"
     axes = MappingProxyType({"r": Axis("robot"), "v": Axis("victim")})
     solution = MappingProxyType({"x": ("r", "v")})
+    may_be_one = MappingProxyType({"x": "can_serve"})
 
     success: Floats = field(metadata=over("r", "v"))
     """When robot r would be done with victim v, in time units."""
@@ -151,6 +153,7 @@ class JointAssignmentData(StageData):
         }
     )
     solution = MappingProxyType({"x": ("r", "c"), "y": ("r", "v")})
+    may_be_one = MappingProxyType({"y": "can_take"})
 
     w: Floats = field(metadata=over("r", "c"))
     """Requirements that robot r can serve in cluster c."""
@@ -169,6 +172,11 @@ class JointAssignmentData(StageData):
     capability of r."""
     can_serve: Bools = field(metadata=over("r", "h", "v"))
     """Whether r can reach v and serve something that holder h leaves there."""
+
+    @cached_property
+    def can_take(self) -> Bools:
+        """Whether r can reach v and serve something that any holder leaves there, over (r, v)."""
+        return np.asarray(self.can_serve.any(axis=1))
 
     @cached_property
     def leaves(self) -> Ints:

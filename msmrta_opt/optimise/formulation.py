@@ -14,8 +14,10 @@ it beside the mathematics line by line. The file's stem is the formulation's nam
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from math import isfinite
+from typing import Literal, get_args
 
+from ..mission.errors import ModelError
 from .data import ClusterData as ClusterData
 from .data import ClusteringData as ClusteringData
 from .data import JointAssignmentData as JointAssignmentData
@@ -52,12 +54,30 @@ class Spec:
     title : str
         One line for lists.
     parameters : dict of str to Parameter
-        By the names of the ``cp.Parameter``s.
+        By the names of the ``cp.Parameter``s; each is used.
     assumes : str
         What must hold of the data for a solution to exist, if anything.
+
+    Raises
+    ------
+    ModelError
+        If there is no such stage, or a parameter's range is none.
     """
 
     stage: Stage
     title: str
     parameters: dict[str, Parameter] = field(default_factory=dict)
     assumes: str = ""
+
+    def __post_init__(self) -> None:
+        if self.stage not in get_args(Stage):
+            raise ModelError(f"stage {self.stage!r}; give one of {', '.join(get_args(Stage))}")
+        for name, item in self.parameters.items():
+            if not isinstance(item, Parameter):
+                raise ModelError(f"{name}: {item!r}; give Parameter(low, high, default, meaning)")
+            if not (isfinite(item.low) and isfinite(item.high)):
+                raise ModelError(f"{name}: the range [{item.low:g}, {item.high:g}] is not finite")
+            if not item.low <= item.default <= item.high:
+                raise ModelError(
+                    f"{name}: default {item.default:g} is not in [{item.low:g}, {item.high:g}]"
+                )

@@ -7,6 +7,7 @@ raises that error. Folders of one's own come from `add_models` or the environmen
 
 from __future__ import annotations
 
+import ast
 import importlib
 import inspect
 import os
@@ -21,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from .. import formulations
-from ..mission.errors import InputError, ModelError
+from ..mission.errors import InputError, ModelError, MsmrtaError
 from ..mission.files import read_text, write_text
 from .formulation import Spec
 
@@ -172,6 +173,8 @@ def _files() -> Iterator[tuple[Path, str]]:
 def listings(stage: str | None = None) -> Iterator[Listing]:
     """Every formulation found, broken files included, in the order of folders and names."""
     for path, objection in _files():
+        if not objection and _is_unrelated(path):
+            continue
         listing = Listing(path.stem, path, error=objection) if objection else _load(path)
         formulation = listing.formulation
         if stage is None or formulation is None or formulation.spec.stage == stage:
@@ -220,6 +223,36 @@ def path_of(name: str, *, stage: str | None = None) -> Path:
     return path
 
 
+def _is_unrelated(path: Path) -> bool:
+    """Whether the file binds neither of a formulation's names; it is not run to find out."""
+    if path.parent == Path(formulations.__path__[0]) or _module(path) in sys.modules:
+        return False
+    try:
+        body = ast.parse(path.read_bytes()).body
+    except (SyntaxError, ValueError, OSError):
+        return False  # what is wrong with it is said where it is loaded
+    names = {name for statement in body for name in _bound(statement)}
+    return not names & {"SPEC", "build", "*"}
+
+
+def _bound(statement: ast.stmt) -> Iterator[str]:
+    """The names that a statement of a module binds there."""
+    if isinstance(statement, (ast.FunctionDef, ast.ClassDef)):
+        yield statement.name
+    elif isinstance(statement, (ast.Import, ast.ImportFrom)):
+        yield from (alias.asname or alias.name for alias in statement.names)
+    else:
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                yield node.id
+            elif isinstance(node, (ast.FunctionDef, ast.alias)):
+                yield getattr(node, "asname", None) or node.name
+
+
+def _module(path: Path) -> str:
+    return f"{formulations.__name__}.{path.stem}"
+
+
 def _import(name: str) -> ModuleType:
     """Import a model file without leaving bytecode, which hides edits made within a second."""
     before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
@@ -232,11 +265,15 @@ def _import(name: str) -> ModuleType:
 
 
 def _load(path: Path) -> Listing:
+    if _is_unrelated(path):
+        return Listing(
+            path.stem, path, error="not a formulation: it has no SPEC and no build(data)"
+        )
     try:
-        module = _import(f"{formulations.__name__}.{path.stem}")
+        module = _import(_module(path))
         spec, build = module.SPEC, module.build
         if not isinstance(spec, Spec) or not callable(build):
-            raise TypeError("SPEC is not a Spec, or build is not a function")
+            raise TypeError("SPEC is not a Spec(…), or build is not a function")
     except (Exception, SystemExit) as error:
         # A model file is the user's own code: whatever it raises is news about that file.
         return Listing(
@@ -261,6 +298,8 @@ def _one_line(error: BaseException, path: Path) -> str:
         for frame in traceback.extract_tb(error.__traceback__)
         if frame.filename == str(path)
     ]
+    if lines and isinstance(error, MsmrtaError):
+        return f"line {lines[-1]}: {said}"
     if lines:
         return f"line {lines[-1]}: {type(error).__name__}: {said}"
     if isinstance(error, AttributeError):

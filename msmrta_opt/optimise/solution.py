@@ -181,6 +181,15 @@ class Solution:
             If it does not, saying what is known instead.
         """
         if not self.found:
-            reason = self.message or self.check or "no feasible point"
-            raise CheckError(f"{self.formulation}: {self.status}: {reason}")
+            raise CheckError(f"{self.formulation}: {self.status}: {self.reason}")
         return self
+
+    @property
+    def reason(self) -> str:
+        """Why there is no solution to show, and what to do; of one that is, what was said of it."""
+        if self.status == "infeasible":
+            said = self.message or "no point is feasible"
+            return (
+                f"{said}; `msmrta explain {self.formulation} INSTANCE` names the rows that conflict"
+            )
+        return self.message or ("" if self.found else self.check or "no feasible point")

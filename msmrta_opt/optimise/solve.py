@@ -22,6 +22,7 @@ from .check import TIGHT, TOLERANCE, Point, dual_bound, settled, violations
 from .compile import compile_for, parameter_values
 from .contradiction import BY_HAND, contradiction
 from .program import ROUNDING, Program
+from .ray import unbounded_along
 from .registry import Formulation
 from .scaling import scaling
 from .solution import Solution
@@ -91,14 +92,17 @@ def solve(
     canonicalised = time.perf_counter() - began
     if start is not None:
         options = replace(options, start=_start(program, start))
+    solution = solve_program(
+        program,
+        solver=solver,
+        structure=structure,
+        options=options,
+        recognised=lambda: compiled.structure(program),
+    )
+    if solution.found and (broken := compiled.broken(solution.values)):
+        solution = replace(_failed(solution, broken), objective=None, values={})
     return replace(
-        solve_program(
-            program,
-            solver=solver,
-            structure=structure,
-            options=options,
-            recognised=lambda: compiled.structure(program),
-        ),
+        solution,
         formulation=compiled.formulation.name,
         parameters=parameter_values(compiled.formulation, parameters),
         canonicalise_seconds=canonicalised,
@@ -153,6 +157,8 @@ def solve_program(
         offset=program.offset,
         blocks=(*program.columns, *program.rows),
     )
+    if outcome.status == "unbounded":
+        solution = replace(solution, message=unbounded_along(program) or outcome.message)
     if options.start is not None:
         solution = replace(solution, start=_use_of(program, options.start, name, outcome))
     if outcome.duals is not None:

@@ -48,6 +48,7 @@ class RoutingData(StageData):
         }
     )
     solution = MappingProxyType({"x": ("r", "i", "j"), "y": ("r", "v"), "a": ("r", "v", "k")})
+    may_be_one = MappingProxyType({"x": "can_go", "y": "can_visit", "a": "able"})
 
     leave: Floats = field(metadata=over("r", "v"))
     """Travel of robot r from its start to victim v."""

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mission.errors import InputError
 from ..mission.grid import manhattan
 from ..optimise import registry
 from ..optimise.data import ClusterData
@@ -91,7 +90,7 @@ def cluster_assignment(
         return ClusterAssignment(chosen, [], deferred, None)
     model = registry.get(options.cluster_model, stage="cluster")
     solution = solve(model, data, **model.takes(psi=options.psi)).require()
-    chosen = binary(solution, data.w.shape)
+    chosen = solution.values["x"] > 0.5
     stops: list[Stop] = []
     for r, start in enumerate(situation.instance.starts):
         # A robot cannot enter a cluster whose centre it cannot reach, and does not go to one around
@@ -109,20 +108,6 @@ def cluster_assignment(
                 stops.append(Stop(r, clusters.cells[c], STAGE))
             stops.extend(served[c])
     return ClusterAssignment(chosen, each_once(stops), deferred, solution)
-
-
-def binary(solution: Solution, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """The binary variable ``x`` of a stage's formulation.
-
-    Raises
-    ------
-    InputError
-        If the formulation has no variable ``x`` of that shape.
-    """
-    x = solution.values.get("x")
-    if x is None or x.shape != shape:
-        raise InputError(f"it has no variable 'x' of shape {shape}", field=solution.formulation)
-    return np.asarray(x > 0.5)
 
 
 def behind_walls(situation: Situation, clusters: Clustering) -> frozenset[int]:

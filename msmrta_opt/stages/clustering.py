@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mission.errors import InputError
 from ..mission.grid import Cell
 from ..optimise import registry
 from ..optimise.data import ClusteringData
@@ -121,10 +120,7 @@ def clustering_data(situation: Situation) -> ClusteringData:
 def _around_medians(situation: Situation, model: str) -> Clustering:
     data = clustering_data(situation)
     solution = solve(registry.get(model, stage="clustering"), data).require()
-    y = solution.values.get("y")
-    if y is None or y.shape != data.distance.shape:
-        shape = data.distance.shape
-        raise InputError(f"it has no variable 'y' of shape {shape}", field=solution.formulation)
+    y = solution.values["y"]
     cells = sorted(set(situation.instance.cells))
     median_of = dict(zip(cells, y.argmax(axis=1), strict=True))
     medians, labels = np.unique(

@@ -17,7 +17,7 @@ from ..optimise import registry
 from ..optimise.data import VictimData
 from ..optimise.solution import Solution
 from ..optimise.solve import solve
-from .cluster_assignment import binary, kinds
+from .cluster_assignment import kinds
 from .options import StagedOptions
 from .situation import Situation, Stop, each_once, nearest_first
 
@@ -64,7 +64,7 @@ def victim_assignment(
     solution = solve(model, data, **model.takes(beta=options.beta))
     if solution.status == "infeasible" and np.isfinite(data.endurance).any():
         raise CheckError(_too_little_time(situation, data))
-    chosen = binary(solution.require(), data.can_serve.shape)
+    chosen = solution.require().values["x"] > 0.5
     cells = situation.instance.cells
     ends, _ = situation.after(stops)
     queued: list[Stop] = []

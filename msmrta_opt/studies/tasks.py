@@ -241,7 +241,7 @@ def _solved(solution: Solution, seconds: float) -> dict[str, Any]:
         return {"outcome": SKIPPED, "error": solution.message}
     return {
         **{name: getattr(solution, name) for name in SOLVED},
-        "error": solution.message,
+        "error": solution.reason,
         "outcome": FINISHED,
         "seconds": seconds,
         "stage_seconds_json": json.dumps(

@@ -170,9 +170,10 @@ SPEC = Spec(stage="cluster", title="a row in odd units")
 
 
 def build(data):
-    x = cp.Variable(integer=True, bounds=[0, 1e12], name="x")
+    taken = cp.Variable(data.w.shape, boolean=True, name="x")
+    x = cp.Variable(integer=True, bounds=[0, None], name="n")
     y = cp.Variable(boolean=True, name="y")
-    return cp.Problem(cp.Minimize(x + y), [({row}).set_label("at least one second")])
+    return cp.Problem(cp.Minimize(x + y + cp.sum(taken)), [({row}).set_label("at least one second")])
 """
 
 

@@ -19,7 +19,9 @@ def own(tmp_path: Path) -> Path:
     """A folder of one's own models with a broken file."""
     folder = tmp_path / "own"
     folder.mkdir()
-    (folder / "cluster_broken.py").write_text("import nothing_of_that_name\n")
+    (folder / "cluster_broken.py").write_text(
+        "import nothing_of_that_name\n\nSPEC = build = None\n"
+    )
     return folder
 
 

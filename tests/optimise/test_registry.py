@@ -128,11 +128,23 @@ BROKEN: dict[str, tuple[str, str, int | None]] = {
     "no_build": (model().split("def build")[0], "build", None),
     "spec_of_another_type": ("SPEC = 3\n\n\ndef build(data):\n    pass\n", "SPEC", None),
     "build_is_no_function": (model().split("def build")[0] + "build = 3\n", "build", None),
-    "raises": ("import cvxpy\n\nraise ValueError('first\\nsecond')\n", "ValueError: first", 3),
-    "raises_deeper": ("def f():\n    return 1 / 0\n\n\nf()\n", "ZeroDivisionError", 2),
-    "module_not_there": ("\nimport no_such_module_anywhere\n", "no_such_module_anywhere", 2),
-    "attribute_not_there": ("import cvxpy as cp\n\ncp.NoSuchThing\n", "NoSuchThing", 3),
-    "exits": ("import sys\n\nsys.exit('not today')\n", "SystemExit", 3),
+    "raises": (
+        "SPEC = build = None\n\nraise ValueError('first\\nsecond')\n",
+        "ValueError: first",
+        3,
+    ),
+    "raises_deeper": ("def build():\n    return 1 / 0\n\n\nbuild()\n", "ZeroDivisionError", 2),
+    "module_not_there": (
+        "SPEC = build = None\nimport no_such_module_anywhere\n",
+        "no_such_module_anywhere",
+        2,
+    ),
+    "attribute_not_there": (
+        "import cvxpy as cp\n\nSPEC = build = cp.NoSuchThing\n",
+        "NoSuchThing",
+        3,
+    ),
+    "exits": ("import sys as build\n\nbuild.exit('not today')\n", "SystemExit", 3),
     "null_byte": ("x = 1\0\n", "null bytes", None),
 }
 
@@ -171,8 +183,15 @@ def test_an_error_of_the_models_own_is_not_blamed_on_the_contract(folder: Path) 
     assert "build(data)" not in listing.error
 
 
+def test_a_file_that_is_no_formulation_is_neither_listed_nor_run(folder: Path) -> None:
+    (folder / "drawing.py").write_text("import json\n\nraise SystemExit('run')\n")
+    assert listed("drawing") == []
+    with pytest.raises(ModelError, match=r"drawing.py: not a formulation: it has no SPEC and"):
+        get("drawing")
+
+
 def test_a_broken_file_that_is_mended_works_without_more_ado(folder: Path) -> None:
-    (folder / "mended.py").write_text("raise ValueError\n")
+    (folder / "mended.py").write_text("SPEC = build = int('')\n")
     assert listed("mended")[0].error
     (folder / "mended.py").write_text(model(6))
     assert worth("mended") == 6

@@ -113,10 +113,6 @@ REFUSED: dict[str, tuple[Any, str]] = {
         "start: a plan for 4 robots, 10 victims and 6 kinds, where the problem has 2 robots",
     ),
     "beyond limits": (plan_beyond_limits, "start: the plan does not fit: robot "),
-    "not routing": (
-        lambda: (planned("ssi"), problem(), "lookalike"),
-        "start: a plan says nothing about a formulation without a, y",
-    ),
 }
 
 
@@ -128,29 +124,13 @@ def small() -> Plan:
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_does_not_fit_is_refused_in_one_line(case: str, lookalike: object) -> None:
+def test_what_does_not_fit_is_refused_in_one_line(case: str) -> None:
     make, problem_ = REFUSED[case]
     plan, data, model = make()
     with pytest.raises(InputError) as refused:
-        mip_start(plan, data, lookalike if model == "lookalike" else model)  # type: ignore[arg-type]
+        mip_start(plan, data, model)
     assert str(refused.value).startswith(problem_)
     assert "\n" not in str(refused.value)
-
-
-@pytest.fixture
-def lookalike() -> object:
-    """A formulation of the stage with other variables."""
-    import cvxpy as cp
-
-    from msmrta_opt.optimise.formulation import Spec
-    from msmrta_opt.optimise.registry import Formulation
-
-    def build(data: RoutingData) -> cp.Problem:
-        x = cp.Variable((data.n_robots, data.n_victims + 1, data.n_victims), boolean=True, name="x")
-        return cp.Problem(cp.Minimize(cp.sum(x)), [cp.sum(x) >= 1])
-
-    spec = Spec(stage="routing", title="", parameters={}, assumes="")
-    return Formulation("lookalike", Path("lookalike.py"), spec, "", build)
 
 
 @pytest.mark.parametrize("objective", OBJECTIVES)

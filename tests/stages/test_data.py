@@ -161,8 +161,8 @@ def test_a_stage_before_without_a_solution_is_an_error(
     model.write_text(
         '"""Nobody can."""\n'
         "import cvxpy as cp\n"
-        "from msmrta_opt.optimise.formulation import PSI, Spec\n"
-        'SPEC = Spec(stage="cluster", title="nobody can", parameters={"psi": PSI})\n'
+        "from msmrta_opt.optimise.formulation import Spec\n"
+        'SPEC = Spec(stage="cluster", title="nobody can")\n'
         "def build(data):\n"
         '    x = cp.Variable(data.w.shape, boolean=True, name="x")\n'
         "    return cp.Problem(cp.Maximize(0), [cp.sum(x) >= data.w.size + 1])\n"

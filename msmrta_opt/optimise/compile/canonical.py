@@ -71,3 +71,10 @@ def constraint_blocks(problem: cp.Problem, constraints: list[cp.Constraint]) -> 
         blocks.append(block)
         start += constraint.size
     return tuple(blocks)
+
+
+def place_of(problem: cp.Problem, constraint: cp.Constraint) -> str:
+    """A constraint by its label, or by its place in the problem."""
+    if constraint.label is not None:
+        return f"constraint '{constraint.label}'"
+    return f"constraint {[item.id for item in problem.constraints].index(constraint.id) + 1}"

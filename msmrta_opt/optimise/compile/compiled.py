@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import cvxpy as cp
 import numpy as np
+from numpy.typing import NDArray
 
 from ...mission.errors import InputError, ModelError
 from .. import registry
-from ..axes import StageData
 from ..program import Block, Program
 from ..registry import Formulation
 from ..structure import Frame, Structure, recognise
 from .affine import Patterns, read_off
-from .canonical import Canonical
+from .building import built, set_defaults
+from .canonical import Canonical, place_of
+from .contract import Reading, broken, check_program, readings
+from .finite import require_numbers
 from .labels import Named, named
 from .reductions import reduced
 
@@ -53,6 +56,7 @@ class Compiled:
     _columns: tuple[Block, ...]
     _rows: tuple[Block, ...]
     _alike: _Alike = field(repr=False)
+    _read: tuple[Reading, ...] = ()
     _last: Program | None = None
     _structure: Structure | None = None
     _asked: bool = False
@@ -74,6 +78,8 @@ class Compiled:
         ------
         InputError
             If a parameter is unknown or out of its range.
+        ModelError
+            If a number is not finite, or the program breaks the stage's contract; see `contract`.
         """
         values = parameter_values(self.formulation, parameters)
         for name, parameter in self._parameters.items():
@@ -88,11 +94,6 @@ class Compiled:
                 ) from None
         canonical = self._canonical
         cost, offset, matrix, right, lower, upper = canonical.numbers()
-        numbers = (cost, [offset], matrix.data)
-        if not all(np.isfinite(part).all() for part in numbers) or np.isnan(right).any():
-            raise ModelError(
-                f"{self.formulation.name}: costs, constants or coefficients are not finite"
-            )
         is_equation = np.arange(len(right)) < canonical.n_equations
         program = Program(
             sense="max" if isinstance(self.problem.objective, cp.Maximize) else "min",
@@ -107,10 +108,16 @@ class Compiled:
             columns=self._columns,
             rows=self._rows,
         )
+        require_numbers(self.formulation.name, program)
         if self._last is not None and program.differs_in_cost_alone(self._last):
             return replace(self._last, cost=program.cost, offset=program.offset)
+        check_program(self.formulation.name, program, self._read)
         self._last, self._asked = program, False
         return program
+
+    def broken(self, values: Mapping[str, NDArray[np.float64]]) -> str:
+        """What of a solution's `values` the stage cannot take; see `contract`."""
+        return broken(values, self._read)
 
 
 def parameter_values(formulation: Formulation, parameters: dict[str, float]) -> dict[str, float]:
@@ -145,31 +152,17 @@ def compile_formulation(formulation: Formulation, data: object) -> Compiled:
     """
     began = time.perf_counter()
     name = formulation.name
-    if isinstance(data, StageData) and data.stage != formulation.spec.stage:
-        raise ModelError(
-            f"{name}: it is for data of stage {formulation.spec.stage!r}, not {type(data).__name__}"
-        )
-    try:
-        problem = formulation.build(data)
-    except Exception as error:
-        said = " ".join(str(error).split())
-        raise ModelError(f"{name}: build(data) failed: {type(error).__name__}: {said}") from error
-    if not isinstance(problem, cp.Problem):
-        raise ModelError(f"{name}: build(data) returned {type(problem).__name__}, not a Problem")
-    undeclared = set(problem.param_dict) - set(formulation.spec.parameters)
-    if undeclared:
-        raise ModelError(f"{name}: SPEC.parameters lacks {', '.join(sorted(undeclared))}")
+    problem = built(formulation, data)
     kept = _alike.setdefault(formulation.build, _Alike())
-    kept.declared = _set_defaults(formulation, problem, kept.declared)
-    if not problem.variables():
-        raise ModelError(f"{name}: the program has no variables")
+    kept.declared = set_defaults(formulation, problem, kept.declared)
     canonical = canonicalise(name, problem, kept.patterns)
     matrix = canonical.numbers().matrix
     kept.named = named(name, canonical.columns, canonical.rows, matrix, data, kept.named)
     columns, rows = kept.named.filled(data)
     seconds = time.perf_counter() - began
+    read = readings(data, columns)
     return Compiled(
-        formulation, problem, seconds, canonical, problem.param_dict, columns, rows, kept
+        formulation, problem, seconds, canonical, problem.param_dict, columns, rows, kept, read
     )
 
 
@@ -188,7 +181,12 @@ def canonicalise(name: str, problem: cp.Problem, patterns: Patterns | None = Non
         return found
     if not problem.is_dpp():
         if not problem.is_dcp():
-            raise ModelError(f"{name}: the program is not convex (cvxpy's DCP rules)")
+            wrong = [item for item in problem.constraints if not item.is_dcp()]
+            where = place_of(problem, wrong[0]) if wrong else "the objective"
+            raise ModelError(
+                f"{name}: the program is not convex (cvxpy's DCP rules) in {where}; multiply "
+                "variables only with numbers, and bound only what is convex from above"
+            )
         raise ModelError(
             f"{name}: parameters are not used in DPP form; multiply each only with variables and data"
         )
@@ -244,34 +242,3 @@ def structure(formulation: str | Formulation, data: Any, **parameters: float) ->
     relaxation is integral, so that an assignment algorithm or the relaxation solves the program.
     """
     return recognise(program(formulation, data, **parameters))
-
-
-def _set_defaults(formulation: Formulation, problem: cp.Problem, before: Hashable) -> Hashable:
-    """Set the parameters to their defaults, if they can have all values that are declared for them.
-
-    What they are is returned; if it is what it was `before`, they can.
-    """
-    parameters, declared = problem.parameters(), formulation.spec.parameters
-    names = [parameter.name() for parameter in parameters]
-    for repeated in {name for name in names if names.count(name) > 1}:
-        raise ModelError(
-            f"{formulation.name}: two parameters are called {repeated!r}; make one and use it twice"
-        )
-    found = tuple(
-        (name, declared[name], type(parameter), parameter.shape, repr(parameter.attributes))
-        for name, parameter in zip(names, parameters, strict=True)
-    )
-    for name, parameter in zip(names, parameters, strict=True):
-        item = declared[name]
-        if found == before:
-            parameter.save_value(item.default)  # without cvxpy's looking at it again
-            continue
-        try:
-            for value in (item.low, item.high, item.default):
-                parameter.value = value
-        except ValueError as error:
-            raise ModelError(
-                f"{formulation.name}: parameter {name} cannot be a number from {item.low:g} to"
-                f" {item.high:g}: {error}"
-            ) from error
-    return found

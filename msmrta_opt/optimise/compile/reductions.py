@@ -13,7 +13,7 @@ import numpy as np
 from cvxpy.error import DCPError, DPPError, ParameterError, SolverError
 
 from ...mission.errors import ModelError
-from .canonical import Canonical, Numbers, constraint_blocks, variable_blocks
+from .canonical import Canonical, Numbers, constraint_blocks, place_of, variable_blocks
 
 
 def reduced(name: str, problem: cp.Problem) -> Canonical:
@@ -24,6 +24,8 @@ def reduced(name: str, problem: cp.Problem) -> Canonical:
     ModelError
         If it is not a linear (integer) program.
     """
+    if said := _not_linear(problem):
+        raise ModelError(f"{name}: not a linear integer program: {said}")
     try:
         with warnings.catch_warnings():
             # Which of its backends cvxpy takes is its own affair.
@@ -33,8 +35,6 @@ def reduced(name: str, problem: cp.Problem) -> Canonical:
         first = str(error).strip().splitlines()[0]
         raise ModelError(f"{name}: not a linear integer program: {first}") from error
     cone = data["param_prob"]
-    if getattr(cone, "P", None) is not None or data.get("P") is not None:
-        raise ModelError(f"{name}: not a linear integer program: the objective is quadratic")
     own = {variable.id: variable for variable in problem.variables()}
     for variable in cone.variables:
         if variable.id in own and own[variable.id].shape != variable.shape:
@@ -74,3 +74,16 @@ def reduced(name: str, problem: cp.Problem) -> Canonical:
 
 def _flat(indices: list[tuple[int, ...]]) -> list[int]:
     return [int(index[0]) for index in indices]
+
+
+def _not_linear(problem: cp.Problem) -> str:
+    """What of a convex problem is neither affine nor piecewise linear; empty if nothing is."""
+    objective = problem.objective.expr
+    if not objective.is_pwl():
+        what = "quadratic" if objective.is_quadratic() else "neither linear nor piecewise linear"
+        return f"the objective is {what}; state it linearly"
+    for constraint in problem.constraints:
+        if not all(item.is_pwl() for item in constraint.args):
+            where = place_of(problem, constraint)
+            return f"{where} is neither linear nor piecewise linear; state it linearly"
+    return ""

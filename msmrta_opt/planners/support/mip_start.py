@@ -48,18 +48,11 @@ def mip_start(
         raise InputError(f"the plan does not fit: {wrong[0]}", field="start")
     program = compile_for(formulation, data).program()
     values = _values(data, routes)
-    found = {
+    return {
         block.name: values[block.name]
         for block in program.columns
         if block.name in values and values[block.name].shape == block.shape
     }
-    if missing := {"x", "y", "a"} - set(found):
-        raise InputError(
-            f"a plan says nothing about a formulation without {', '.join(sorted(missing))};"
-            " give one of stage 'routing'",
-            field="start",
-        )
-    return found
 
 
 def _values(data: RoutingData, routes: Routes) -> dict[str, Floats]:

@@ -1,0 +1,216 @@
+"""Ways to get a model wrong: each is told in one true line, in every command, and gives no plan.
+
+The files of ``wrong/`` are a right model with one mistake each. The first line says when it is told, and
+in what words: on importing the file, on building the program, or on solving it.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from msmrta_opt import cli, formulations
+from msmrta_opt.mission.errors import MsmrtaError
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.optimise.axes import StageData
+from msmrta_opt.optimise.solve import solve
+from msmrta_opt.planners import plan
+from msmrta_opt.stages.data import stage_data
+from msmrta_opt.studies.comparison import cases, solve_here
+
+WRONG = Path(__file__).parent / "wrong"
+MISSION = WRONG / "mission.json"
+FILES = sorted(WRONG.glob("*.py"))
+RIGHT = '''"""The model that the wrong ones are edits of."""
+
+import cvxpy as cp
+
+from msmrta_opt.optimise.formulation import Parameter, Spec, VictimData
+
+SPEC = Spec(
+    stage="victim",
+    title="covering, with a charge for each robot that is sent",
+    parameters={"charge": Parameter(0, 100, 10, "cost of a robot that is sent, in time units")},
+)
+
+
+def build(data: VictimData) -> cp.Problem:
+    charge = cp.Parameter(nonneg=True, name="charge")
+    x = cp.Variable(data.success.shape, boolean=True, bounds=[0, data.can_serve], name="x")
+    sent = cp.Variable(data.busy.shape, boolean=True, name="sent")
+    return cp.Problem(
+        cp.Minimize(cp.sum(cp.multiply(data.success, x)) + charge * cp.sum(sent)),
+        [
+            (cp.sum(x, axis=0) == data.coverable).set_label("victim {v} has one robot if it can"),
+            (x <= sent[:, None]).set_label("robot {r} takes victim {v} only if it is sent"),
+        ],
+    )
+'''
+Run = Callable[..., int]
+Capture = pytest.CaptureFixture[str]
+
+
+def said_of(file: Path) -> tuple[str, str]:
+    """When the mistake is told, and in what words."""
+    found = re.match(r"# Told when (\w+): (.+)", file.read_text())
+    assert found is not None
+    return found[1], found[2]
+
+
+def of(*moments: str) -> list[Path]:
+    return [file for file in FILES if said_of(file)[0] in moments]
+
+
+@pytest.fixture(scope="module")
+def mission() -> Instance:
+    return Instance.read(MISSION)
+
+
+@pytest.fixture(scope="module")
+def data(mission: Instance) -> StageData:
+    found: StageData = stage_data(mission, "victim")
+    return found
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder of one's own models, where files are put one by one; nothing of it is kept."""
+    monkeypatch.setattr(formulations, "__path__", [*formulations.__path__, str(tmp_path)])
+    yield tmp_path
+    for path in tmp_path.glob("*.py"):
+        sys.modules.pop(f"{formulations.__name__}.{path.stem}", None)
+
+
+@pytest.fixture
+def told(capsys: Capture) -> Callable[..., tuple[int, str]]:
+    """The exit status of a command, and the line that it says: its error, or its output."""
+
+    def run(*arguments: object) -> tuple[int, str]:
+        capsys.readouterr()
+        status = cli.run([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        assert err.count("\n") <= 1
+        assert err.startswith("error: ") or not err
+        return status, err or out
+
+    return run
+
+
+def test_there_are_at_least_thirty_and_each_is_another() -> None:
+    assert len(FILES) >= 30
+    assert len({said_of(file) for file in FILES}) >= 30
+
+
+def test_the_right_model_is_right(folder: Path, told: Callable[..., tuple[int, str]]) -> None:
+    (folder / "right.py").write_text(RIGHT)
+    for command in ("show", "solve", "explain"):
+        status, said = told(command, "right", MISSION)
+        assert status == 0, said
+    status, said = told("plan", MISSION, "--victim-model", "right")
+    assert (status, "right" in said) == (0, True)
+
+
+def test_the_list_of_models_tells_every_mistake_that_solving_does_not(
+    folder: Path, told: Callable[..., tuple[int, str]]
+) -> None:
+    for file in FILES:
+        shutil.copy(file, folder)
+    status, said = told("models", MISSION, "--stage", "victim")
+    assert status == 0
+    for file in of("importing", "building"):
+        if file.stem in ("empty_file", "stage_of_another"):
+            continue  # no formulation, and one of another stage
+        _, words = said_of(file)
+        row = [line for line in said.splitlines() if line.split()[:1] == [file.stem]]
+        assert row, file.stem
+        assert words in row[0], file.stem
+
+
+@pytest.mark.parametrize("file", of("importing", "building"), ids=lambda file: file.stem)
+def test_a_wrong_model_is_told_in_one_line_by_every_command(
+    file: Path, folder: Path, told: Callable[..., tuple[int, str]], tmp_path: Path
+) -> None:
+    shutil.copy(file, folder)
+    words, name = said_of(file)[1], file.stem
+    plan_words = "is a cluster formulation" if name == "stage_of_another" else words
+    commands = [
+        ("show", name, MISSION),
+        ("solve", name, MISSION),
+        ("explain", name, MISSION),
+        ("export", name, MISSION, "-o", tmp_path / "program.lp"),
+        ("plan", MISSION, "--victim-model", name),
+    ]
+    for command in commands:
+        status, said = told(*command)
+        assert status == 2, command
+        assert (plan_words if command[0] == "plan" else words) in said, command
+    assert not (tmp_path / "program.lp").exists()
+
+
+@pytest.mark.parametrize("file", of("solving"), ids=lambda file: file.stem)
+def test_a_model_without_a_solution_is_told_by_every_command_that_solves_it(
+    file: Path, folder: Path, told: Callable[..., tuple[int, str]]
+) -> None:
+    shutil.copy(file, folder)
+    words, name = said_of(file)[1], file.stem
+    for command in (("solve", name, MISSION), ("plan", MISSION, "--victim-model", name)):
+        status, said = told(*command)
+        assert status == 1, command
+        assert words in said, command
+
+
+def test_what_is_infeasible_points_to_the_command_that_explains(
+    folder: Path, told: Callable[..., tuple[int, str]]
+) -> None:
+    shutil.copy(WRONG / "infeasible.py", folder)
+    status, said = told("plan", MISSION, "--victim-model", "infeasible")
+    assert (status, "`msmrta explain infeasible INSTANCE`" in said) == (1, True)
+    status, said = told("explain", "infeasible", MISSION)
+    assert (status, "cannot hold together" in said) == (0, True)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_a_wrong_model_gives_no_solution_and_no_plan_in_python(
+    file: Path, folder: Path, mission: Instance, data: StageData
+) -> None:
+    shutil.copy(file, folder)
+    when, words = said_of(file)
+    if when == "solving":
+        solution = solve(file.stem, data)
+        assert not solution.found
+        assert words in f"{solution.status} {solution.reason}"
+    elif file.stem != "stage_of_another":
+        with pytest.raises(MsmrtaError, match=re.escape(words)) as caught:
+            solve(file.stem, data)
+        assert "\n" not in str(caught.value)
+    with pytest.raises(MsmrtaError):
+        plan(mission, victim_model=file.stem)
+
+
+@pytest.mark.parametrize("file", of("importing", "building"), ids=lambda file: file.stem)
+def test_a_wrong_model_is_a_row_of_a_comparison_without_a_solution(
+    file: Path, folder: Path, mission: Instance
+) -> None:
+    shutil.copy(file, folder)
+    if file.stem == "empty_file":
+        with pytest.raises(MsmrtaError, match="not a formulation"):
+            cases([mission], stage="victim", models=[file.stem])
+        return
+    (todo,) = cases([mission], stage="victim", models=[file.stem], solver_names=["auto"])
+    record = solve_here(todo)
+    assert record.objective is None
+    assert record.verdict == "error"
+    if file.stem != "stage_of_another":
+        assert said_of(file)[1] in record.reason
+
+
+def test_data_of_another_stage_is_refused_with_what_to_give(mission: Instance) -> None:
+    with pytest.raises(MsmrtaError, match=r"victim_covering: .*mo.stage_data\(mission, 'victim'\)"):
+        solve("victim_covering", stage_data(mission, "cluster"))
+    with pytest.raises(MsmrtaError, match=r"victim_covering: .*mo.stage_data\(mission, 'victim'\)"):
+        solve("victim_covering", mission)
