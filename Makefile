@@ -27,9 +27,10 @@ test-all: lint types
 unit: $(VENV)/.installed
 	$(BIN)/python -m pytest -n auto
 
-# The README's picture, and the published schema.
+# The README's pictures, and the published schema.
 figure: demo
 	cp out/paper.png docs/paper.png
+	$(BIN)/msmrta replay out/paper-plan.json --gif docs/replay.gif
 
 schema: $(VENV)/.installed
 	$(BIN)/msmrta schema > msmrta_opt/mission/instance.schema.json

@@ -131,7 +131,7 @@ def test_no_folder_holds_more_than_a_fifth_of_the_code() -> None:
 @pytest.mark.parametrize(
     "module",
     [
-        *("mission", "planners", "planners/support", "stages", "plots"),
+        *("mission", "planners", "planners/support", "stages", "plots", "plots/replay"),
         *("studies", "studies/analysis", "studies/report"),
     ],
 )

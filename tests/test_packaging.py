@@ -82,6 +82,16 @@ def test_the_wheel_carries_models_instances_and_maps(wheel: Path) -> None:
         assert shipped
         assert shipped <= names
     assert "msmrta_opt/py.typed" in names
+    page = (
+        "replay.html",
+        "replay.css",
+        "state.js",
+        "draw.js",
+        "timeline.js",
+        "words.js",
+        "page.js",
+    )
+    assert {f"msmrta_opt/plots/replay/{name}" for name in page} <= names
     assert not any(name.startswith(("tests/", "models/", "instances/")) for name in names)
 
 

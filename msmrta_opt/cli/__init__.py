@@ -32,6 +32,7 @@ from . import (
     plans,
     programs,
     proofs,
+    replay,
     study,
     tradeoff,
 )
@@ -46,8 +47,8 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help starts in half the time
 )
 for group in (
-    missions, instances, generate, maps, exact, plans, plan_differences, models, programs, proofs,
-    compare, tradeoff, study,
+    missions, instances, generate, maps, exact, plans, plan_differences, replay, models, programs,
+    proofs, compare, tradeoff, study,
 ):  # fmt: skip
     group.register(app)
 

@@ -206,6 +206,10 @@ class Plan(PlanRecord):
         figure: Figure = load("plots").plot_mission(self, **options)
         return figure
 
+    def replay(self, beside: Plan | None = None, **options: Any) -> Any:
+        """A page that plays the plan, or this one and another in step; see `plots.plot_replay`."""
+        return load("plots").plot_replay(self, beside, **options)
+
     def document(self) -> dict[str, Any]:
         """The plan as a JSON-ready document."""
         return self.model_dump(mode="json")

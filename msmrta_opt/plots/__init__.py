@@ -9,7 +9,7 @@ Panels: `scouting` and `coverage`, `assignment`, `paths`, `gantt`, and `mission`
 `key`; `two_plans` beside each other; `floor` is what a map was made of. On a map, a `canvas`, stand
 `marks` that `placing` keeps apart, `walks` and `clusters`, or the `overview` of a large mission. What
 all share: `figure`, `legends`, `titles`, `lettering` (any name as it is written), `style` (what stands
-for what), `saving`.
+for what), `saving`. Not a picture but a page: `replay`.
 
 A robot keeps its colour in every picture (`robot_colour`), and red means unserved or unfound. Names on
 the pictures are short: R0 is the robot with id 0, S0 a scout, C0 a cluster; a disc holds a victim's id.
@@ -22,6 +22,7 @@ from .floor import plot_floor
 from .gantt import plot_gantt
 from .mission import plot_mission
 from .paths import plot_paths
+from .replay import Replay, plot_replay
 from .saving import FORMATS, save_figure
 from .scouting import plot_scouting
 from .style import robot_colour
@@ -29,6 +30,7 @@ from .two_plans import plot_two_plans
 
 __all__ = [
     "FORMATS",
+    "Replay",
     "plot_assignment",
     "plot_coverage",
     "plot_floor",
@@ -36,6 +38,7 @@ __all__ = [
     "plot_map",
     "plot_mission",
     "plot_paths",
+    "plot_replay",
     "plot_scouting",
     "plot_two_plans",
     "robot_colour",

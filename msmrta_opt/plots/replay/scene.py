@@ -1,0 +1,262 @@
+"""What moves in a film of one plan: robots and their trails, victims, scouts, and the time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.colors import to_rgba
+from matplotlib.patches import Wedge
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from ...arrays import Floats
+from ...mission.plan import Plan
+from ...mission.visibility import FieldOfView
+from ..canvas import Scale
+from ..style import INK, MISSED, robot_styles
+
+Moving = list[tuple[Axes, Artist]]
+"""What is drawn over the ground in one frame."""
+RECENT = 0.08
+"""Share of the makespan after which the trails of large missions fade."""
+SEEN, UNSEEN = "#F5A623", "#8C93A0"
+HALO = withStroke(linewidth=2, foreground="white")
+
+
+class Schedule(NamedTuple):
+    """When a robot is where: at ``times[i]`` on ``cells[i]``, in between on the way or at work."""
+
+    times: Floats
+    """Shape ``(n,)``, in time units, ascending."""
+    cells: Floats
+    """Shape ``(n, 2)``, row and column."""
+
+    def walked(self, t: float, since: float = 0.0) -> Floats:
+        """The cells from time `since` up to `t`, and the place at `t`, shape ``(m, 2)``."""
+        begin, end = np.searchsorted(self.times, [since, t], side="right")
+        here = [np.interp(t, self.times, self.cells[:, axis]) for axis in (0, 1)]
+        return np.vstack([self.cells[max(int(begin) - 1, 0) : int(end)], here])
+
+
+def schedules(plan: Plan) -> dict[int, Schedule]:
+    """The schedule of each robot, by id."""
+    found = {}
+    routes = {route.robot: route for route in plan.routes}
+    for robot in plan.instance.robots:
+        times, cells, clock = [0.0], [robot.start], 0.0
+        route = routes.get(robot.id)
+        for visit in route.visits if route else ():
+            times += [*np.linspace(clock, visit.arrival, len(visit.cells)), visit.departure]
+            cells += [*visit.cells, visit.cells[-1]]
+            clock = visit.departure
+        if route and route.back:
+            home = clock + (len(route.back) - 1) / robot.speed
+            times += list(np.linspace(clock, home, len(route.back)))
+            cells += route.back
+        found[robot.id] = Schedule(np.array(times), np.array(cells, dtype=np.float64))
+    return found
+
+
+class _Service(NamedTuple):
+    """One requirement of one victim, served by a visit: its wedge, its colour, from when to when."""
+
+    cell: tuple[int, int]
+    wedge: tuple[float, float]
+    colour: str
+    arrival: float
+    departure: float
+
+
+def _arrival(service: _Service) -> float:
+    return service.arrival
+
+
+def _services(plan: Plan) -> list[_Service]:
+    victims = {victim.id: victim for victim in plan.instance.victims}
+    styles, found = robot_styles(plan.instance), []
+    for route in plan.routes:
+        for visit in route.visits:
+            victim = victims[visit.victim]
+            width = 360 / len(victim.requirements)
+            for kind in visit.served:
+                end = 90 - width * victim.requirements.index(kind)  # clockwise from the top
+                found.append(
+                    _Service(
+                        victim.cell,
+                        (end - width, end),
+                        styles[route.robot].colour,
+                        visit.arrival,
+                        visit.departure,
+                    )
+                )
+    return found
+
+
+def _first_seen(plan: Plan) -> NDArray[np.int64]:
+    """The step at which scouts first saw each cell, -1 for never, shape ``(n_rows, n_cols)``."""
+    first = np.full(plan.instance.map.shape, -1, dtype=np.int64)
+    for track in plan.scouting.tracks if plan.scouting else ():
+        look, looked = FieldOfView(plan.instance.map, track.visual_field_depth), set()
+        for step, cell in enumerate(track.cells):
+            if cell not in looked:
+                looked.add(cell)
+                new = look(cell) & ((first < 0) | (first > step))
+                first[new] = step
+    return first
+
+
+class Scene:
+    """Draws what moves of one plan, at a step of scouting or at a time."""
+
+    def __init__(self, plan: Plan, ground: Axes, timeline: Axes) -> None:
+        self.plan, self.ground, self.timeline = plan, ground, timeline
+        self.schedules, self.services = schedules(plan), _services(plan)
+        self.styles = robot_styles(plan.instance)
+        self.scale = Scale.of(ground, plan.instance.map)
+        self.radius = max(0.38, 2.4 / self.scale.cell)
+        self.named = self.scale.cell > 8
+        self.steps = len(plan.scouting.coverage) - 1 if plan.scouting else -1
+        self.first_seen = _first_seen(plan)
+        self.unserved = {item.victim for item in plan.unserved}
+
+    def scouting(self, step: int) -> Moving:
+        """What has been seen by `step`, what is in sight, the victims found, and the scouts."""
+        report, mission = self.plan.scouting, self.plan.instance
+        if report is None:
+            return [self._victims(set()), self._say("no scouting: all victims were known")]
+        step = min(step, self.steps)
+        places = {
+            track: track.cells[min(step, len(track.cells) - 1)]
+            for track in report.tracks
+            if track.cells
+        }
+        tint = np.zeros((*mission.map.shape, 4))
+        tint[mission.map.free] = to_rgba(UNSEEN, 0.45)
+        tint[(self.first_seen >= 0) & (self.first_seen <= step)] = to_rgba(SEEN, 0.25)
+        for track, here in places.items():
+            tint[FieldOfView(mission.map, track.visual_field_depth)(here)] = to_rgba(SEEN, 0.6)
+        found = {find.victim for find in report.finds if find.step <= step}
+        said = f"scouting, step {step} of {self.steps}: {report.coverage[step]:.0%} covered"
+        return [
+            (self.ground, self.ground.imshow(tint, interpolation="none")),
+            self._victims(found),
+            *(self._badge(f"S{x.scout}", *here, INK, "white") for x, here in places.items()),
+            self._say(f"{said}, {len(found)} of {mission.n_victims} victims found"),
+        ]
+
+    def mission(self, t: float) -> Moving:
+        """Trails, victims as far as they are served, robots, and the time on the timeline."""
+        since = 0.0 if self.named else t - RECENT * self.plan.metrics.makespan
+        walks = [schedule.walked(t, since)[:, ::-1] for schedule in self.schedules.values()]
+        styles = [self.styles[robot] for robot in self.schedules]
+        step = min(0.5 / max(len(walks) - 1, 1), 2.2 * self.scale.line / self.scale.cell)
+        trails = [walk + (i - (len(walks) - 1) / 2) * step for i, walk in enumerate(walks)]
+        casing = LineCollection(trails, colors="white", linewidths=self.scale.line + 1.4)
+        lines = LineCollection(
+            trails,
+            colors=[style.colour for style in styles],
+            linestyles=[style.line if self.named else "-" for style in styles],
+            linewidths=self.scale.line,
+        )
+        for collection in (casing, lines):
+            self.ground.add_collection(collection, autolim=False)
+        n_served = sum(t >= service.departure for service in self.services)
+        makespan, n_available = self.plan.metrics.makespan, self.plan.metrics.n_available
+        served = f"{n_served} of {n_available} available requirements served"
+        return [
+            (self.ground, casing),
+            (self.ground, lines),
+            self._victims(set()),
+            self._wedges(t),
+            *self._robots([walk[-1] for walk in walks], list(self.schedules)),
+            (self.timeline, self.timeline.axvline(t, color=INK, lw=1.6)),
+            self._say(f"time {min(t, makespan):.0f} of {makespan:g}: {served}"),
+        ]
+
+    def write_names(self) -> None:
+        """Write the victims' names beside them, where there is room for any."""
+        for victim in self.plan.instance.victims if self.named else ():
+            row, col = victim.cell
+            name = self.ground.text(
+                col + self.radius, row - self.radius, f"v{victim.id}", fontsize=7.5,
+                fontweight="bold", color=INK, path_effects=[HALO],
+            )  # fmt: skip
+            self.ground.draw_artist(name)
+            name.remove()
+
+    def _victims(self, found: set[int]) -> tuple[Axes, Artist]:
+        """A disc each, dark for those just found, with a red ring where something stays unserved."""
+        victims = self.plan.instance.victims
+        rows, cols = np.array([victim.cell for victim in victims]).reshape(-1, 2).T
+        discs = self.ground.scatter(
+            cols,
+            rows,
+            s=(2 * self.radius * self.scale.cell) ** 2,
+            c=[INK if victim.id in found else "white" for victim in victims],
+            edgecolors=[MISSED if victim.id in self.unserved else INK for victim in victims],
+            linewidths=[2.0 if victim.id in self.unserved else 0.8 for victim in victims],
+        )
+        return self.ground, discs
+
+    def _wedges(self, t: float) -> tuple[Axes, Artist]:
+        """What is served of each victim; what is being served grows from the middle."""
+        begun = [service for service in self.services if t >= service.arrival]
+        if not self.named:
+            # Dots, in the colour of the robot that was there last.
+            last = {service.cell: service.colour for service in sorted(begun, key=_arrival)}
+            rows, cols = np.array(list(last)).reshape(-1, 2).T
+            size = (2 * self.radius * self.scale.cell) ** 2
+            return self.ground, self.ground.scatter(cols, rows, s=size, c=list(last.values()))
+        shares = [
+            1.0 if t >= x.departure else (t - x.arrival) / (x.departure - x.arrival) for x in begun
+        ]
+        wedges = PatchCollection(
+            [
+                Wedge(service.cell[::-1], self.radius * share**0.5, *service.wedge)
+                for service, share in zip(begun, shares, strict=True)
+            ],
+            facecolors=[service.colour for service in begun],
+            edgecolors="white",
+            linewidths=0.5,
+        )
+        self.ground.add_collection(wedges, autolim=False)
+        return self.ground, wedges
+
+    def _robots(self, places: Sequence[Floats], robots: Sequence[int]) -> Moving:
+        styles = [self.styles[robot] for robot in robots]
+        if not self.named:
+            colours = [style.colour for style in styles]
+            x, y = np.array(places).T
+            dots = self.ground.scatter(x, y, s=26, c=colours, edgecolors=INK, linewidths=0.6)
+            return [(self.ground, dots)]
+        cells = {victim.cell for victim in self.plan.instance.victims}
+        return [
+            self._badge(
+                f"R{robot}",
+                # Below the victim that it is at.
+                y + (self.radius + 6 / self.scale.cell if (y, x) in cells else 0.0),
+                x,
+                style.colour,
+                style.ink,
+            )
+            for robot, style, (x, y) in zip(robots, styles, places, strict=True)
+        ]
+
+    def _badge(self, name: str, row: float, col: float, face: str, ink: str) -> tuple[Axes, Artist]:
+        if not self.named:
+            (dot,) = self.ground.plot(col, row, "s", ms=5, mfc=face, mec="white")
+            return self.ground, dot
+        box = {"boxstyle": "round,pad=0.2", "fc": face, "ec": "white", "lw": 0.8}
+        return self.ground, self.ground.text(
+            col, row, name, ha="center", va="center", fontsize=7.5, fontweight="bold",
+            color=ink, bbox=box,
+        )  # fmt: skip
+
+    def _say(self, text: str) -> tuple[Axes, Artist]:
+        where = self.ground.transAxes
+        return self.ground, self.ground.text(0, 1.015, text, transform=where, fontsize=10)
