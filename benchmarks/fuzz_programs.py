@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 from random_programs import Trial, Truth, scaled_trial, trial, truth
 
+from msmrta_opt.diagnosis.conflict import Conflict, find_conflict
 from msmrta_opt.mission.errors import ModelError, SolverError, UnsupportedError
-from msmrta_opt.optimise.explain import Explanation, explain_program
 from msmrta_opt.optimise.export import read_program, write_program
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solution import Solution
@@ -79,7 +79,7 @@ def wrong_with(asked: Trial, best: Truth, solution: Solution) -> str:
     return ""
 
 
-def wrong_with_explanation(asked: Trial, best: Truth, found: Explanation) -> str:
+def wrong_with_explanation(asked: Trial, best: Truth, found: Conflict) -> str:
     """What is wrong with an explanation, if anything."""
     if found.status == "unknown":
         return "explain: unknown, though nothing is badly scaled" if asked.is_well_scaled else ""
@@ -235,7 +235,7 @@ def examine(
         if said := wrong_with(asked, best, solution):
             found.append(f"{name}: {said}")
     try:
-        explanation = explain_program(asked.program, time_limit=LIMIT)
+        explanation = find_conflict(asked.program, time_limit=LIMIT)
     except SolverError as refusal:
         counts[f"explain, {kind}: refused"] += 1
         if asked.is_well_scaled:

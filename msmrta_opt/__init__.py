@@ -20,6 +20,10 @@ __all__ = ["__version__", "read", *HOME, *MODULES]
 if TYPE_CHECKING:
     from . import plots as plots
     from .certify.plan import check_plan as check_plan
+    from .diagnosis.difference import Difference as Difference
+    from .diagnosis.difference import diff as diff
+    from .diagnosis.explain import Explanation as Explanation
+    from .diagnosis.explain import explain as explain
     from .mission.coarsening import coarsen as coarsen
     from .mission.draft import draft_mission as draft_mission
     from .mission.errors import CheckError as CheckError
@@ -55,8 +59,6 @@ if TYPE_CHECKING:
     from .optimise.data import ClusteringData as ClusteringData
     from .optimise.data import JointAssignmentData as JointAssignmentData
     from .optimise.data import VictimData as VictimData
-    from .optimise.explain import Explanation as Explanation
-    from .optimise.explain import explain as explain
     from .optimise.export import export as export
     from .optimise.export import read_program as read_program
     from .optimise.export import write_program as write_program
@@ -91,6 +93,7 @@ if TYPE_CHECKING:
     from .studies.analysis.tradeoff import tradeoff as tradeoff
     from .studies.analysis.tradeoff import tradeoff_regions as tradeoff_regions
     from .studies.comparison import comparison as compare  # noqa: F401
+    from .studies.solver_comparison import compare_solvers as compare_solvers
     from .studies.study import study as study
 
 

@@ -24,14 +24,26 @@ MAY_USE = {
     "formulations": set(),
     "optimise": {"formulations", "mission"},
     "proofs": {"certify", "optimise", "mission"},
+    "diagnosis": {"proofs", "certify", "optimise", "mission"},
     "routing": {"certify", "optimise", "mission"},
     "stages": {"routing", "optimise", "mission"},
     "planners": {"certify", "stages", "routing", "optimise", "mission"},
     "studies": {
-        *("proofs", "certify", "plots", "planners", "stages", "routing", "optimise", "mission"),
+        *("diagnosis", "proofs", "certify", "plots", "planners", "stages", "routing", "optimise"),
+        "mission",
     },
     "cli": {
-        *("studies", "proofs", "certify", "plots", "planners", "stages", "routing", "optimise"),
+        *(
+            "studies",
+            "diagnosis",
+            "proofs",
+            "certify",
+            "plots",
+            "planners",
+            "stages",
+            "routing",
+            "optimise",
+        ),
         "mission",
     },
 }
@@ -131,7 +143,8 @@ def test_no_folder_holds_more_than_a_fifth_of_the_code() -> None:
 @pytest.mark.parametrize(
     "module",
     [
-        *("mission", "planners", "planners/support", "stages", "plots", "plots/replay"),
+        *("mission", "diagnosis", "planners", "planners/support", "stages", "plots"),
+        "plots/replay",
         *("studies", "studies/analysis", "studies/report"),
     ],
 )

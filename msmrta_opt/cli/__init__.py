@@ -22,6 +22,7 @@ from .. import interruption
 from ..mission.errors import CheckError, MsmrtaError
 from . import (
     compare,
+    diagnosis,
     exact,
     generate,
     instances,
@@ -35,6 +36,7 @@ from . import (
     replay,
     study,
     tradeoff,
+    watch,
 )
 from .screen import open_closed_descriptors, screens
 
@@ -48,7 +50,7 @@ app = typer.Typer(
 )
 for group in (
     missions, instances, generate, maps, exact, plans, plan_differences, replay, models, programs,
-    proofs, compare, tradeoff, study,
+    diagnosis, watch, proofs, compare, tradeoff, study,
 ):  # fmt: skip
     group.register(app)
 

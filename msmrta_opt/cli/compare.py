@@ -229,9 +229,9 @@ def _scores(
 
 
 def _show(rows: Sequence[Record], measured: Sequence[Score]) -> None:
-    from ..mission.metrics import metrics_of
     from ..studies.analysis.times import shifted_geometric_means
     from .console import table
+    from .scores import show_scores
 
     table(
         "Solves (times in ms: canonicalise, solve, all from data to checked solution)",
@@ -268,30 +268,7 @@ def _show(rows: Sequence[Record], measured: Sequence[Score]) -> None:
             for (model, solver), (mean, solved, tried) in shifted_geometric_means(rows).items()
         ],
     )
-    metrics = metrics_of("plans")
-    if measured:
-        table(
-            "What each formulation does for the mission (the staged plan that comes of it)",
-            [
-                *("instance", "model", "Eq. 1", "Eq. 2", "B2", "B3", "B4"),
-                *(metric.heading for metric in metrics),
-                "message",
-            ],
-            [
-                (
-                    item.instance,
-                    item.model,
-                    item.eq1,
-                    item.eq2,
-                    item.served_in_b2,
-                    item.served_in_b3,
-                    item.served_in_b4,
-                    *(item.metrics and metric.of(item.metrics) for metric in metrics),
-                    item.message,
-                )
-                for item in measured
-            ],
-        )
+    show_scores(rows, measured)
 
 
 def _milliseconds(value: float | None) -> str:

@@ -1,4 +1,4 @@
-"""Commands about integer programs: solve, export, explain."""
+"""Commands about integer programs: solve, export."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def register(app: typer.Typer) -> None:
     """Add this file's commands to `app`."""
-    for command in (solve, export, explain):
+    for command in (solve, export):
         app.command()(command)
 
 
@@ -160,22 +160,3 @@ def export(
     formulation, data = prepared(model, instance, options, folders)
     write(formulation, data, output, **numbers(formulation, parameters))
     typer.echo(f"{formulation.name} written to {output}")
-
-
-def explain(
-    model: Model,
-    instance: InstanceFile,
-    parameters: Parameters = None,
-    options: Options = None,
-    folders: Folders = None,
-    time_limit: Annotated[float | None, typer.Option(help="Seconds.  [default: none]")] = None,
-) -> None:
-    """Say why a formulation has no solution on an instance: the constraints that conflict."""
-    from ..optimise.explain import explain as find
-    from .console import say
-
-    formulation, data = prepared(model, instance, options, folders)
-    found = find(formulation, data, time_limit=time_limit, **numbers(formulation, parameters))
-    say(found.text)
-    if found.status == "unknown":
-        raise typer.Exit(1)

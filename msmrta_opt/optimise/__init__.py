@@ -8,6 +8,7 @@ Reading order:
 - `structure`, `assignment`: what the matrix proves, and what that spares.
 - `solve`, `by_structure`, `solvers`, `solution`: solving, as the matrix decides or by name.
 - `check`, `verify`, `settle`, `contradiction`: checking, and what is believed of a solver.
-- `explain`: why a program is infeasible. `ray`: why it is unbounded. `export`: programs as files.
+- `ray`: why a program is unbounded. `export`: programs as files. `subject`: whatever a question is
+  about, as a program.
 - `parametric`, `frontier`: all values of a weight at once, and what no weight reaches.
 """

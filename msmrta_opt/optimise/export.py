@@ -12,31 +12,26 @@ from pathlib import Path
 from typing import Any
 
 from ..mission.errors import InputError
-from ..mission.files import read_text, write_text
-from .compile import compile_for
-from .formats.lp import as_lp
-from .formats.mps import as_mps
-from .formats.read_lp import read_lp
-from .formats.read_mps import read_mps
-from .formats.written import as_modelled, written
-from .program import Program
-from .registry import Formulation
-
-FORMATS = {".mps": (as_mps, read_mps), ".lp": (as_lp, read_lp)}
-"""By suffix, what writes and what reads a file."""
+from .formats.files import FORMATS as FORMATS
+from .formats.files import read_program as read_program
+from .formats.files import require_format as require_format
+from .formats.files import write_program as write_program
+from .formats.written import as_modelled
+from .subject import subject
 
 
 def export(
-    formulation: str | Formulation, data: Any, path: str | Path, **parameters: float
+    what: Any, data: Any = None, path: str | Path | None = None, **parameters: float
 ) -> None:
-    """Write `formulation` on `data` as a file, without solving it.
+    """Write a program as a file, without solving it.
 
     Parameters
     ----------
-    formulation : str or Formulation
-        Its name in the registry, or itself.
+    what : str, Formulation, cvxpy.Problem or Program
+        A formulation, which takes `data`; any linear (integer) problem of cvxpy; or arrays.
     data
-        What its stage takes, for instance `ClusterData`.
+        What the formulation's stage takes, for instance `ClusterData`. Of what takes no data,
+        ``export(problem, path)`` will do.
     path : path
         Where to: ``.mps`` (free format) or ``.lp``.
     **parameters : float
@@ -47,69 +42,13 @@ def export(
     InputError
         If the suffix is unknown, the file cannot be written, or a name or a parameter is wrong.
     ModelError
-        If the formulation cannot be built as a linear integer program, or `write_program` refuses it.
+        If it cannot be built as a linear integer program, or `write_program` refuses it.
     """
+    if path is None and isinstance(data, (str, Path)):
+        data, path = None, data
+    if path is None:
+        raise InputError("no file; give one with the suffix .mps or .lp", field="path")
     require_format(path)
-    compiled = compile_for(formulation, data)
-    program = as_modelled(compiled.program(**parameters))
-    write_program(program, path, name=compiled.formulation.name)
-
-
-def write_program(program: Program, path: str | Path, *, name: str = "") -> None:
-    """Write `program` as ``.mps`` (free format) or ``.lp``, whole or not at all.
-
-    HiGHS, SCIP, GLPK and CBC read the same program in it. `read_program` reads what was written to the
-    last digit, but for the factors of scaled rows.
-
-    Parameters
-    ----------
-    program : Program
-        The arrays.
-    path : path
-        Where to.
-    name : str
-        The program's name in the file; by default the file's stem.
-
-    Raises
-    ------
-    InputError
-        If the suffix is unknown or the file cannot be written.
-    ModelError
-        If a number is beyond what solvers take, naming its row and variable.
-    """
-    as_text, _ = FORMATS[require_format(path)]
-    write_text(path, as_text(written(program, name or Path(path).stem)))
-
-
-def read_program(path: str | Path) -> Program:
-    """The program in an ``.mps`` or ``.lp`` file.
-
-    Each variable and each row is a `Block` of its own, of shape ``()``, under its name in the file.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, its suffix is unknown, or it is anything but a linear (integer)
-        program that all readers of its format understand alike; naming the line.
-    """
-    _, read = FORMATS[require_format(path)]
-    try:
-        return read(read_text(path))
-    except InputError as error:
-        raise error.within(path) from None
-
-
-def require_format(path: str | Path) -> str:
-    """The suffix of `path`, one of `FORMATS`.
-
-    Raises
-    ------
-    InputError
-        If it is another.
-    """
-    suffix = Path(path).suffix
-    if suffix not in FORMATS:
-        raise InputError(
-            f"unknown format {suffix!r}; the suffix is one of {', '.join(FORMATS)}", file=path
-        )
-    return suffix
+    asked = subject(what, data, **parameters)
+    name = asked.name if asked.compiled is not None else ""
+    write_program(as_modelled(asked.program), path, name=name)

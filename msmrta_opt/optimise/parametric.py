@@ -10,6 +10,7 @@ data are rational, costs are scaled to whole numbers, breakpoints are fractions 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from ..arrays import Floats
 from ..interruption import interrupted
 from ..mission.errors import ModelError, SolverError
+from ..mission.exact import exact
 from .compile import Compiled
 from .program import Program
 from .solve import solve_program
@@ -97,28 +99,37 @@ class Envelope:
 
 
 class Family:
-    """The programs that a formulation gives as one parameter runs over [0, 1].
+    """The programs that a formulation gives as one parameter runs over its range.
+
+    The range is that which the formulation declares; along it t runs from 0 to 1.
 
     Parameters
     ----------
     compiled : Compiled
         The formulation on its data.
     parameter : str
-        The parameter that runs; the formulation's range for it is [0, 1].
+        The parameter that runs.
     **others : float
         Values of the other parameters.
 
     Raises
     ------
     ModelError
-        If the parameter does more than weigh two costs: if it enters rows or bounds.
+        If the parameter does more than weigh two costs: if it enters rows or bounds; or if its range
+        has no two finite ends.
     """
 
     def __init__(self, compiled: Compiled, parameter: str, **others: float) -> None:
         name = compiled.formulation.name
         if parameter not in compiled.formulation.spec.parameters:
             raise ModelError(f"{name} has no parameter {parameter!r}")
-        ends = [compiled.program(**{parameter: t}, **others) for t in (0.0, 1.0, 0.5)]
+        declared = compiled.formulation.spec.parameters[parameter]
+        low, high = declared.low, declared.high
+        if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            raise ModelError(f"{name}: {parameter} has no range with two finite ends")
+        self.low, self.high = exact(low), exact(high)
+        middle = low + (high - low) / 2
+        ends = [compiled.program(**{parameter: end}, **others) for end in (low, high, middle)]
         if not all(ends[0].differs_in_cost_alone(other) for other in ends[1:]):
             raise ModelError(
                 f"{name}: {parameter} enters the rows, so the value is not its envelope"
@@ -185,10 +196,82 @@ class Family:
             raise SolverError(f"at parameter value {t}: {solution.status} ({reason})")
         return self.line(self.program.flat(solution.values))
 
+    def best_with(self, x: Floats, t: Fraction) -> Fraction:
+        """The best value at `t` of all points with the integers of the point `x`."""
+        if self.program.integer.all():
+            return self.line(x).value(t)
+        self.n_solves += 1
+        program, whole = self.at(t), self.program.integer
+        fixed = replace(
+            program.relaxed(),
+            lower=np.where(whole, np.round(x), program.lower),
+            upper=np.where(whole, np.round(x), program.upper),
+        )
+        solution = solve_program(fixed)
+        if not solution.found:
+            raise SolverError(f"at parameter value {t}: {solution.status}")
+        return self.line(self.program.flat(solution.values)).value(t)
+
     def better(self, a: Fraction, b: Fraction) -> bool:
         """Whether the objective `a` is really better than `b`."""
         gain = (b - a) if self.program.sense == "min" else (a - b)
         return gain > 0 if self.exact else float(gain) > TOLERANCE * max(1.0, abs(float(b)))
+
+
+def stays_optimal(
+    family: Family, x: Floats, value: Fraction, *, until: Callable[[], bool] = interrupted
+) -> tuple[Fraction, Fraction]:
+    """The values of the parameter, around `value`, at which what the point `x` decides stays optimal.
+
+    That is its integer variables; the others follow. The optimal value is linear on each piece, and the
+    best value with these integers is concave and never better. So they are equal all over a piece, or
+    nowhere within it, and a look at its middle decides.
+
+    Parameters
+    ----------
+    family : Family
+        The programs.
+    x : float array, shape (n_columns,)
+        A solution that is optimal at `value`.
+    value : Fraction
+        The parameter's value there.
+    until : callable
+        Whether to stop.
+
+    Raises
+    ------
+    SolverError
+        If a program has no proven optimum, or it was to stop.
+    """
+    width = family.high - family.low
+    ends = []
+    for far in (Fraction(0), Fraction(1)):
+        here = (value - family.low) / width
+        while here != far:
+            end, line = _piece_from(family, here, far, until)
+            middle = (here + end) / 2
+            if family.better(line.value(middle), family.best_with(x, middle)):
+                break
+            here = end
+        ends.append(family.low + here * width)
+    return ends[0], ends[1]
+
+
+def _piece_from(
+    family: Family, here: Fraction, far: Fraction, until: Callable[[], bool]
+) -> tuple[Fraction, Line]:
+    """How far towards `far` the piece goes that begins at `here`, and its line."""
+    line, end = family.solve(here), far
+    while not until():
+        other = family.solve(end)
+        if not family.better(other.value(end), line.value(end)):
+            return end, line
+        cross = _crossing(line, other)
+        if cross is None or (cross - here) * (far - here) <= 0:
+            line = other  # as good at `here`, and better from there on
+        else:
+            end = cross
+    raise SolverError("stopped before it was known")
 
 
 def envelope(family: Family) -> Envelope:

@@ -153,6 +153,18 @@ def reload_models() -> list[Listing]:
     return list(listings())
 
 
+def reload_model(name: str) -> Formulation:
+    """The formulation called `name`, its file read again; the others stay as they are.
+
+    Raises
+    ------
+    InputError, ModelError
+        As `get`.
+    """
+    sys.modules.pop(f"{formulations.__name__}.{name}", None)
+    return get(name)
+
+
 def _files() -> Iterator[tuple[Path, str]]:
     """Every model file, with an objection if an earlier folder has taken its name."""
     seen: dict[str, Path] = {}

@@ -18,10 +18,10 @@ from ..optimise.registry import Formulation
 from ..optimise.solution import Solution
 from ..optimise.solve import AUTO, solve_program
 from ..optimise.solvers import Options
+from ..optimise.subject import subject
 from .certificate import Claim, write
 from .exact import Numbers
 from .prover import TIGHT, Prover
-from .stated import program_of
 from .tree import Limits, leaves
 
 if TYPE_CHECKING:
@@ -57,6 +57,8 @@ class Proof:
     """No point is better than this."""
     exact_value: Fraction | None = field(default=None, repr=False)
     exact_bound: Fraction | None = field(default=None, repr=False)
+    exact_point: tuple[Fraction, ...] | None = field(default=None, repr=False)
+    """The solution, shape ``(n_columns,)``."""
     claimed_by: str = ""
     """Solver and version."""
     claimed_status: str = ""
@@ -139,7 +141,8 @@ def prove(
     CheckError
         If the certificate does not pass its check.
     """
-    program, name = program_of(what, data, **parameters)
+    asked = subject(what, data, **parameters)
+    program, name = asked.program, asked.name
     if solution is None:
         options = Options(time_limit=time_limit)
         solution = solve_program(program, solver=solver, options=options)
@@ -221,6 +224,7 @@ def prove_program(
             sense=program.sense,
             exact_value=None if prover.value is None else sign * prover.value,
             exact_bound=None if proved.bound is None else sign * proved.bound,
+            exact_point=_point(prover, program.n_columns),
             claimed_by=f"{claim.solver} {claim.solver_version}".strip(),
             claimed_status=claim.status,
             claimed_value=claim.objective,
@@ -237,6 +241,11 @@ def prove_program(
         ),
         scale=float(max((abs(c) for c in prover.program.cost), default=0)),
     )
+
+
+def _point(prover: Prover, n_columns: int) -> tuple[Fraction, ...] | None:
+    """The solution without the column of the objective's constant."""
+    return None if prover.point is None else tuple(map(Fraction, prover.point[:n_columns]))
 
 
 def _prover(

@@ -9,11 +9,8 @@ from typing import Any
 
 from ..certify import vipr
 from ..mission.errors import CheckError, InputError
-from ..optimise.compile import compile_for, compile_formulation
-from ..optimise.export import FORMATS, read_program
-from ..optimise.formulation import Spec
 from ..optimise.program import Program
-from ..optimise.registry import Formulation
+from ..optimise.subject import subject
 from .exact import ExactProgram, Numbers, exact_program
 
 _READINGS: tuple[Numbers, ...] = ("binary", "decimal", "simple")
@@ -22,38 +19,6 @@ _MOST = 5
 
 _Row = tuple[int, Fraction, tuple[tuple[int, Fraction], ...]]
 """Sense, side and terms of a constraint."""
-
-
-def program_of(what: Any, data: Any = None, **parameters: float) -> tuple[Program, str]:
-    """The arrays of a formulation on data, a file, arrays or a cvxpy problem; and its name.
-
-    Raises
-    ------
-    InputError
-        If a name, a file or a parameter is wrong.
-    ModelError
-        If it is no linear integer program.
-    """
-    if isinstance(what, Program):
-        return what, "a program"
-    if isinstance(what, (str, Path)) and Path(what).suffix in FORMATS:
-        return read_program(what), Path(what).name
-    if isinstance(what, (str, Formulation)):
-        compiled = compile_for(what, data)
-        return compiled.program(**parameters), compiled.formulation.name
-    import cvxpy as cp
-    from cvxpy.reductions.eval_params import EvalParams
-
-    if not isinstance(what, cp.Problem):
-        raise InputError(
-            f"{type(what).__name__}; give a formulation, a file, a program or a cvxpy problem"
-        )
-    if any(parameter.value is None for parameter in what.parameters()):
-        raise InputError("a parameter of the problem has no value")
-    problem = EvalParams().apply(what)[0] if what.parameters() else what
-    name = "a cvxpy problem"
-    formulation = Formulation(name, Path("problem"), Spec("cluster", name), "", lambda _: problem)
-    return compile_formulation(formulation, None).program(), name
 
 
 def check_proof(path: str | Path, what: Any = None, data: Any = None, **parameters: float) -> str:
@@ -81,11 +46,11 @@ def check_proof(path: str | Path, what: Any = None, data: Any = None, **paramete
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", file=path) from None
     if what is not None:
-        program, name = program_of(what, data, **parameters)
-        different = differences(program, found)
+        meant = subject(what, data, **parameters)
+        different = differences(meant.program, found)
         if different:
             more = f" (and {len(different) - 1} more)" if len(different) > 1 else ""
-            raise CheckError(f"{path}: it is not of {name}: {different[0]}{more}")
+            raise CheckError(f"{path}: it is not of {meant.name}: {different[0]}{more}")
     return found.claim
 
 

@@ -13,7 +13,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from msmrta_opt.optimise.explain import explain_program
+from msmrta_opt.diagnosis.conflict import find_conflict
 from msmrta_opt.optimise.solve import solve_program
 
 FEW = range(57)
@@ -113,7 +113,7 @@ def test_the_fuzz_sees_what_is_wrong(fuzz: ModuleType) -> None:
         assert fuzz.wrong_with(trial, best, other) != ""
     infeasible = replace(program, row_upper=np.array([1.0, 2.0, -2.0]))
     trial = replace(trial, program=infeasible)
-    best, said = fuzz.truth(trial), explain_program(infeasible)
+    best, said = fuzz.truth(trial), find_conflict(infeasible)
     assert said.rows == ("row 2",)
     assert fuzz.wrong_with_explanation(trial, best, said) == ""
     for untrue in (

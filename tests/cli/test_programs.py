@@ -1,4 +1,4 @@
-"""The commands export and explain, as a user types them."""
+"""The command export, as a user types it."""
 
 from __future__ import annotations
 
@@ -94,33 +94,6 @@ def test_export_takes_parameters_options_and_folders_of_models(
     assert run("export", "cluster_budgeted", paper_file, "-o", file, *budget) == 0
     program = read_program(file)
     assert program.row_upper.tolist() == [1.0] * 8
-
-
-def test_explain_names_the_constraints_that_conflict(
-    run: Run, paper_file: Path, own_models: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    own = ["--models", own_models, "--param", "need=5"]
-    assert run("explain", "cluster_enough", paper_file, *own) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("cluster_enough is infeasible. These cannot hold together;")
-    assert lines[1:-1] == [
-        *(f"  cluster {c} has at most one robot" for c in range(4)),
-        "  enough are taken",
-    ]
-
-
-def test_explain_says_that_a_feasible_program_is_feasible(
-    run: Run, paper_file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run("explain", "victim_covering", paper_file, "--param", "beta=0.25") == 0
-    assert capsys.readouterr().out == "victim_covering is feasible.\n"
-
-
-def test_explain_without_an_answer_exits_with_1(
-    run: Run, paper_file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run("explain", "victim_covering", paper_file, "--time-limit", "0") == 1
-    assert "stopped before it was known" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

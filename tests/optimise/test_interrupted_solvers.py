@@ -14,9 +14,9 @@ from support.misbehaviour import cpsat_until_its_first_incumbent
 from support.programs import program
 
 from msmrta_opt import interruption
+from msmrta_opt.diagnosis.conflict import find_conflict
 from msmrta_opt.isolation import Worker
 from msmrta_opt.optimise.check import violations
-from msmrta_opt.optimise.explain import explain_program
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solve import solve_program
 from msmrta_opt.optimise.solvers import glpk
@@ -45,7 +45,7 @@ def test_an_explanation_that_is_asked_to_end_ends(
     endless: Program, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(interruption._now, "of_parent", lambda: True)
-    assert explain_program(endless).status == "unknown"
+    assert find_conflict(endless).status == "unknown"
 
 
 def test_cpsat_ends_with_its_incumbent(endless: Program) -> None:

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.programs import INF, program
 
+from msmrta_opt.diagnosis.conflict import find_conflict
 from msmrta_opt.mission.errors import InputError, UnsupportedError
 from msmrta_opt.optimise.check import proves_infeasible, violations
 from msmrta_opt.optimise.compile import compile_formulation
-from msmrta_opt.optimise.explain import explain_program
 from msmrta_opt.optimise.formulation import Parameter
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.scaling import scaled, scaling
@@ -50,7 +50,7 @@ def test_a_feasible_program_is_not_called_infeasible(solver: str, sign: float) -
 
 @pytest.mark.parametrize("sign", [0.0, -1.0, 1.0])
 def test_a_feasible_program_is_not_explained_away(sign: float) -> None:
-    assert explain_program(four_rows(sign)).status == "feasible"
+    assert find_conflict(four_rows(sign)).status == "feasible"
 
 
 @every

@@ -17,7 +17,8 @@ import msmrta_opt as mo
 from msmrta_opt.mission.errors import CheckError, InputError, ModelError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise.program import Program
-from msmrta_opt.proofs.stated import differences, program_of
+from msmrta_opt.optimise.subject import subject
+from msmrta_opt.proofs.stated import differences
 
 
 def small() -> Program:
@@ -122,7 +123,7 @@ def test_an_unreadable_or_refused_certificate_is_one_line(tmp_path: Path) -> Non
 
 
 def test_differences_are_told_one_by_one() -> None:
-    given, _ = program_of(small())
+    given = subject(small()).program
     from msmrta_opt.certify.vipr import Certificate, Constraint
 
     found = Certificate(

@@ -14,6 +14,8 @@ from ..program import Block
 
 AUXILIARY = "auxiliary"
 """Name of columns and rows that cvxpy adds, for instance for a maximum in the objective."""
+UNLABELLED = "constraint {}"
+"""Name of the rows of a constraint without a label, by its place among the problem's, from 1."""
 
 
 class Numbers(NamedTuple):
@@ -65,7 +67,7 @@ def constraint_blocks(problem: cp.Problem, constraints: list[cp.Constraint]) -> 
         if original is None:
             block = Block(AUXILIARY, start, (constraint.size,))
         elif original.label is None:
-            block = Block(f"constraint {place[original.id]}", start, original.shape)
+            block = Block(UNLABELLED.format(place[original.id]), start, original.shape)
         else:
             block = Block(original.label, start, original.shape)
         blocks.append(block)

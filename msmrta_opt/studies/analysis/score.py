@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from ...stages.data import stage_data
 from ...stages.options import StagedOptions
 from ...stages.requirement_analysis import requirement_analysis
 from ...stages.situation import Situation
+from .choices import Choices, choices
 
 STAGES = {"clustering": "clustering_model", "cluster": "cluster_model", "victim": "victim_model"}
 """Stages of the staged planner, and the option that names their formulation."""
@@ -36,7 +37,7 @@ class Score:
     """A formulation in the staged planner, on one instance.
 
     ``eq1`` and ``eq2`` are the paper's objectives at what was chosen, by the options' ψ and β;
-    ``metrics`` are those of the plan. ``message`` says why there are none.
+    ``metrics`` are those of the plan. ``message`` says why there are none. ``gets`` is who gets what.
     """
 
     instance: str
@@ -48,6 +49,7 @@ class Score:
     served_in_b4: int | None = None
     metrics: Metrics | None = None
     message: str = ""
+    gets: Choices = field(default_factory=dict)
 
     def __getattr__(self, name: str) -> Any:
         """A metric of the plan by its name, ``None`` without a plan."""
@@ -58,7 +60,7 @@ class Score:
     def as_dict(self) -> dict[str, Any]:
         """All figures by name, those of the plan among them."""
         own = {item.name: getattr(self, item.name) for item in fields(self)}
-        del own["metrics"]
+        del own["metrics"], own["gets"]
         return {**own, **{name: getattr(self, name) for name in METRICS}}
 
 
@@ -108,6 +110,7 @@ def score(
         served_in_b3=served["B3"],
         served_in_b4=served["B4"],
         metrics=plan.metrics,
+        gets=choices(plan, stage),
     )
 
 

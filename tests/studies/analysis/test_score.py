@@ -8,6 +8,7 @@ Eq. 2 is 4. Robot 0 walks 4 to the centre (1, 1), 2 to its first victim and 2 to
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise import registry
 from msmrta_opt.stages.options import StagedOptions
+from msmrta_opt.studies.analysis.choices import side_by_side
 from msmrta_opt.studies.analysis.score import Score, score, scores
 
 OPTIONS = StagedOptions.of(beta=0.0)
@@ -40,6 +42,35 @@ def test_the_plan_of_two_rooms_scores_as_by_hand(two_rooms: Instance, model: str
     assert found.metrics.total_time == pytest.approx(17.0)
     # The two victims of robot 0 are as near as each other; either may be first.
     assert found.metrics.mean_completion in (pytest.approx(25 / 3), pytest.approx(26 / 3))
+
+
+def test_who_gets_what_is_told_side_by_side_and_differences_are_marked(two_rooms: Instance) -> None:
+    first = score(two_rooms, "cluster", "cluster_one_to_one", OPTIONS)
+    # One cluster for two robots, of whom robot 0 can serve all.
+    assert first.gets == {"robot 0": ("C0",), "robot 1": ()}
+    other = replace(first, model="other", gets={"robot 0": (), "robot 1": ("C0", "C10", "C2")})
+    failed = Score("two_rooms", "failed", message="why")
+    columns, rows = side_by_side(
+        [(item.instance, item.model, item.gets) for item in (first, other, failed)]
+    )
+    assert columns == ["instance", "who", "cluster_one_to_one", "other", "failed"]
+    assert rows == [
+        ["two_rooms", "robot 0", "C0", "nothing *", "no plan *"],
+        ["two_rooms", "robot 1", "nothing", "C0, C2, C10 *", "no plan *"],
+    ]
+
+
+def test_victims_of_one_cluster_are_told_whatever_the_clusters_are_called(
+    two_rooms: Instance,
+) -> None:
+    found = score(two_rooms, "clustering", "clustering_pmedian", OPTIONS)
+    for who, others in found.gets.items():
+        for other in others:
+            assert f"v{who.removeprefix('victim ')}" in found.gets[f"victim {other[1:]}"]
+    assert set(found.gets) == {"victim 0", "victim 1", "victim 2"}
+    # Robot 1 takes the one victim that B2 leaves.
+    b3 = score(two_rooms, "victim", "victim_one_to_one", OPTIONS)
+    assert b3.gets == {"robot 0": (), "robot 1": ("v2",)}
 
 
 def test_beta_weighs_time_against_what_others_must_redo(two_rooms: Instance) -> None:

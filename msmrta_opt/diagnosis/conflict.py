@@ -24,27 +24,35 @@ import numpy as np
 
 from ..arrays import Bools, Ints
 from ..interruption import interrupted, interruptible
-from .check import is_badly_scaled, proves_infeasible, settled, violations
-from .compile import compile_for
-from .program import Program
-from .registry import Formulation
-from .scaling import scaled, scaling
-from .settle import settle
-from .solvers import Options, highs, solvers
-from .solvers.base import refuse_dropped
+from ..optimise.check import (
+    LARGEST_EXACT,
+    is_badly_scaled,
+    kinds_of_rows,
+    proves_infeasible,
+    settled,
+    violations,
+)
+from ..optimise.program import Program
+from ..optimise.scaling import scaled, scaling
+from ..optimise.settle import settle
+from ..optimise.solvers import Options, highs, solvers
+from ..optimise.solvers.base import refuse_dropped
 
 NODES = 1_000
 """Branch-and-bound nodes to try one deletion: without its bounds an integer program may need
 infinitely many. Where they do not suffice, the member stays."""
+NODES_OF_FREE_INTEGERS = 20_000
+"""The same for the whole program, if it has integers without bounds. Where they do not suffice, it is
+not known whether it is infeasible."""
 TINY = 1e-9
 """Share of its terms up to which a multiplier, or what multipliers leave of a column, is rounding."""
 
 
 @dataclass(frozen=True)
-class Explanation:
+class Conflict:
     """Why a program has no feasible point, if it has none."""
 
-    formulation: str
+    name: str
     status: Literal["infeasible", "feasible", "unknown"]
     """``unknown`` if there was neither a proof nor a point when the time was up."""
     method: str = ""
@@ -63,19 +71,19 @@ class Explanation:
     def text(self) -> str:
         """The explanation in words, a line per member; many of a kind are counted."""
         if self.status == "feasible":
-            return f"{self.formulation} is feasible."
+            return f"{self.name} is feasible."
         if self.status == "unknown":
-            return f"{self.formulation}: stopped before it was known to be infeasible."
+            return f"{self.name}: stopped before it was known to be infeasible."
         if not self.irreducible:
             claim = "it is not known whether all of them are needed"
         elif self.integrality:
             claim = "without any one of them, whole numbers satisfy the others"
         else:
             claim = "without any one of them, fractional values satisfy the others"
-        members = _shortened([*self.rows, *self.bounds])
+        members = shortened([*self.rows, *self.bounds])
         return "\n".join(
             [
-                f"{self.formulation} is infeasible. "
+                f"{self.name} is infeasible. "
                 f"These cannot hold together{' in whole numbers' * self.integrality}; {claim}:",
                 *(f"  {member}" for member in members),
                 f"Found by: {self.method}.",
@@ -83,52 +91,35 @@ class Explanation:
         )
 
 
-def explain(
-    formulation: str | Formulation,
-    data: Any,
-    *,
-    time_limit: float | None = None,
-    **parameters: float,
-) -> Explanation:
-    """Say why `formulation` has no solution on `data`.
+def find_conflict(
+    program: Program, *, time_limit: float | None = None, name: str = "the program"
+) -> Conflict:
+    """Say why `program` has no feasible point, if it has none.
 
     Parameters
     ----------
-    formulation : str or Formulation
-        Its name in the registry, or itself.
-    data
-        What its stage takes, for instance `ClusterData`.
+    program : Program
+        The arrays.
     time_limit : float, optional
         Seconds. When they are over, the set found so far is given; it may hold more than is needed.
-    **parameters : float
-        The formulation's parameters, for instance ``psi``.
+    name : str
+        What to call the program.
 
     Raises
     ------
     InputError
-        If a name, the time limit or a parameter is wrong.
-    ModelError
-        If the formulation cannot be built as a linear integer program.
+        If the time limit is negative.
     """
-    compiled = compile_for(formulation, data)
-    program = compiled.program(**parameters)
-    return explain_program(program, time_limit=time_limit, name=compiled.formulation.name)
-
-
-def explain_program(
-    program: Program, *, time_limit: float | None = None, name: str = "the program"
-) -> Explanation:
-    """Say why arrays, from wherever they come, have no feasible point; see `explain`."""
     options = Options(time_limit=time_limit)
     deadline = np.inf if time_limit is None else time.perf_counter() + time_limit
     with interruptible():
-        return _explained(program, options, deadline, name)
+        return _found(program, options, deadline, name)
 
 
-def _explained(program: Program, options: Options, deadline: float, name: str) -> Explanation:
+def _found(program: Program, options: Options, deadline: float, name: str) -> Conflict:
     truth = None if time.perf_counter() >= deadline else settle(program)
     if truth is not None and truth.x is not None:
-        return Explanation(name, "feasible")
+        return Conflict(name, "feasible")
     for integrality in (False, True):
         system = _System(program if integrality else program.relaxed(), options, deadline)
         if integrality and not program.integer.any():
@@ -136,7 +127,7 @@ def _explained(program: Program, options: Options, deadline: float, name: str) -
         conflict = system.everything
         verdict = system.is_infeasible(conflict)
         if verdict is None and truth is None:
-            return Explanation(name, "unknown")
+            return Conflict(name, "unknown")
         if not verdict:
             continue
         what = "integer" if integrality else "linear"
@@ -147,15 +138,13 @@ def _explained(program: Program, options: Options, deadline: float, name: str) -
                 conflict, method = found, f"Farkas multipliers, then {method}"
         conflict, irreducible = _filtered(system, conflict)
         if system.certifies(conflict):
-            return _explanation(
-                program, name, method, conflict, irreducible, integrality=integrality
-            )
+            return _conflict(program, name, method, conflict, irreducible, integrality=integrality)
         if truth is None:
-            return Explanation(name, "unknown")
+            return Conflict(name, "unknown")
         break
     if truth is not None:
-        return _explanation(program, name, truth.proof, system.everything, False, integrality=True)
-    return Explanation(name, "feasible")
+        return _conflict(program, name, truth.proof, system.everything, False, integrality=True)
+    return Conflict(name, "feasible")
 
 
 class _System:
@@ -167,7 +156,7 @@ class _System:
     def __init__(self, program: Program, options: Options, deadline: float) -> None:
         import highspy
 
-        self.own = replace(program, cost=np.zeros(program.n_columns))
+        self.own = with_whole_sides(replace(program, cost=np.zeros(program.n_columns)))
         self.program = scaled(self.own, scaling(self.own))
         refuse_dropped("highs", self.own, self.program)
         self.deadline = deadline
@@ -195,7 +184,14 @@ class _System:
         """Whether no point satisfies `members`; ``None`` if it was not found out."""
         if self.time_is_up:
             return None
+        rows = members[: self.own.n_rows]
+        if (rows & (self.own.row_lower > self.own.row_upper)).any():
+            return True
         self._restrict(members)
+        self._highs.setOptionValue("time_limit", max(self.deadline - time.perf_counter(), 0.0))
+        free = self.own.integer & ~(np.isfinite(self.own.lower) & np.isfinite(self.own.upper))
+        most = NODES_OF_FREE_INTEGERS if free.any() else 2**31 - 1
+        self._highs.setOptionValue("mip_max_nodes", most if nodes is None else nodes)
         self._highs.setOptionValue("time_limit", max(self.deadline - time.perf_counter(), 0.0))
         self._highs.setOptionValue("mip_max_nodes", 2**31 - 1 if nodes is None else nodes)
         self._highs.run()
@@ -272,6 +268,25 @@ class _System:
         )
 
 
+def with_whole_sides(program: Program) -> Program:
+    """`program` with the sides of whole rows moved to multiples of their greatest common divisors.
+
+    ``2 x - 2 y ≤ 1`` is ``≤ 0`` in whole numbers; branching alone might never find that out.
+    """
+    whole, _ = kinds_of_rows(program)
+    lower, upper = program.row_lower.copy(), program.row_upper.copy()
+    matrix = program.matrix
+    for i in np.flatnonzero(whole):
+        entries = matrix.data[matrix.indptr[i] : matrix.indptr[i + 1]]
+        if not entries.any() or np.abs(entries).max() >= LARGEST_EXACT:
+            continue
+        divisor = float(np.gcd.reduce(np.abs(entries[entries != 0]).astype(np.int64)))
+        if divisor > 1:
+            lower[i] = np.ceil(lower[i] / divisor) * divisor
+            upper[i] = np.floor(upper[i] / divisor) * divisor
+    return replace(program, row_lower=lower, row_upper=upper)
+
+
 def _filtered(system: _System, conflict: Bools) -> tuple[Bools, bool]:
     """An infeasible part of `conflict`, and whether it is proven that it has no smaller one."""
     members = np.flatnonzero(conflict)
@@ -305,7 +320,7 @@ def _middle(chunk: Ints, borders: Ints) -> int:
     return int(cuts[np.abs(cuts - half).argmin()]) if len(cuts) else half
 
 
-def _shortened(members: list[str], most: int = 4) -> Iterator[str]:
+def shortened(members: list[str], most: int = 4) -> Iterator[str]:
     """The members, of runs that differ in their numbers alone only the first two and a count."""
     for _, run in groupby(members, key=lambda member: re.sub(r"\d+", "#", member)):
         alike = list(run)
@@ -314,7 +329,7 @@ def _shortened(members: list[str], most: int = 4) -> Iterator[str]:
             yield f"… and {len(alike) - 2} more like these"
 
 
-def _explanation(
+def _conflict(
     program: Program,
     name: str,
     method: str,
@@ -322,16 +337,16 @@ def _explanation(
     irreducible: bool,
     *,
     integrality: bool,
-) -> Explanation:
+) -> Conflict:
     rows, lower, upper = np.split(conflict, [program.n_rows, program.n_rows + program.n_columns])
     labels = [block.name for block in program.rows if rows[block.start : block.stop].any()]
-    return Explanation(
-        formulation=name,
+    return Conflict(
+        name=name,
         status="infeasible",
         method=method,
         rows=tuple(program.row_name(int(i)) for i in np.flatnonzero(rows)),
         bounds=tuple(
-            _bound(program, int(j), bool(lower[j]), bool(upper[j]))
+            bound_name(program, int(j), bool(lower[j]), bool(upper[j]))
             for j in np.flatnonzero(lower | upper)
         ),
         labels=tuple(dict.fromkeys(labels)),
@@ -340,7 +355,7 @@ def _explanation(
     )
 
 
-def _bound(program: Program, column: int, lower: bool, upper: bool) -> str:
+def bound_name(program: Program, column: int, lower: bool, upper: bool) -> str:
     """The sides of a variable's bounds that conflict: ``x[0,2] ≤ 0``."""
     name, least, most = program.column_name(column), program.lower[column], program.upper[column]
     if lower and upper:

@@ -1,0 +1,170 @@
+"""What changes from one solve of a formulation to the next, as its file is edited."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from ..optimise.assigned import Assigned, assigned
+from ..optimise.compile import compile_for
+from ..optimise.registry import Formulation
+from ..optimise.solution import Solution
+from ..optimise.solve import AUTO, solve_program
+from ..optimise.solvers import Options
+from .conflict import shortened
+from .rows import Row, named_rows
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A formulation on its data, solved."""
+
+    solution: Solution
+    structure: str
+    """What its matrix proves, in words; empty for nothing."""
+    rows: dict[str, Row]
+    columns: dict[str, str]
+    """By name, the bounds and whether it is integer, in words."""
+    costs: dict[str, float]
+    gets: Assigned
+
+    @property
+    def text(self) -> str:
+        """All of it, as the first thing that is shown."""
+        lines = [
+            f"  {_result(self.solution)}",
+            f"  {len(self.columns)} variables, {len(self.rows)} rows; "
+            f"{self.structure or 'no structure recognised'}",
+        ]
+        return "\n".join([*lines, *(f"  {who}: {_list(what)}" for who, what in self.gets.items())])
+
+
+def state(
+    formulation: Formulation,
+    data: Any,
+    *,
+    solver: str = AUTO,
+    time_limit: float | None = None,
+    **parameters: float,
+) -> State:
+    """Solve `formulation` on `data`; the parameters that it does not have are left out.
+
+    Raises
+    ------
+    MsmrtaError
+        If it cannot be built or solved.
+    """
+    compiled = compile_for(formulation, data)
+    program = compiled.program(**formulation.takes(**parameters))
+    structure = compiled.structure(program)
+    solution = solve_program(program, solver=solver, options=Options(time_limit=time_limit))
+    names = [program.column_name(j) for j in range(program.n_columns)]
+    kinds = ("continuous", "integer")
+    domains = (
+        f"{low:g} to {high:g}, {kinds[bool(whole)]}"
+        for low, high, whole in zip(program.lower, program.upper, program.integer, strict=True)
+    )
+    return State(
+        solution,
+        structure.description if structure else "",
+        named_rows(program),
+        dict(zip(names, domains, strict=True)),
+        dict(zip(names, program.cost.tolist(), strict=True)),
+        assigned(program, solution) if solution.found else {},
+    )
+
+
+@dataclass(frozen=True)
+class Edit:
+    """What an edit of the file has changed."""
+
+    lines: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """A line for each change."""
+        return "\n".join(f"  {line}" for line in self.lines or ("nothing has changed",))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same, ready for JSON."""
+        return asdict(self)
+
+
+def edit(before: State, after: State) -> Edit:
+    """What `after` has that `before` had not, and the other way round."""
+    lines = []
+    old, new = before.solution, after.solution
+    for what, a, b in (
+        ("status", old.status, new.status),
+        ("sense", old.sense, new.sense),
+        ("objective", _number(old.objective), _number(new.objective)),
+        ("bound", _number(old.bound), _number(new.bound)),
+    ):
+        if a != b:
+            lines.append(f"{what}: {a} → {b}")
+    if before.structure != after.structure:
+        if not after.structure:
+            lines.append(f"structure lost: {before.structure}")
+        else:
+            lines.append(
+                f"structure {'kept, now' if before.structure else 'won'}: {after.structure}"
+            )
+    lines += _parts("rows", before.rows, after.rows)
+    lines += _parts("columns", before.columns, after.columns)
+    costs = [
+        f"{n}: {before.costs[n]:g} → {after.costs[n]:g}"
+        for n in before.costs
+        if n in after.costs and before.costs[n] != after.costs[n]
+    ]
+    lines += _counted("costs changed", costs)
+    for who in dict.fromkeys((*before.gets, *after.gets)):
+        had, has = before.gets.get(who), after.gets.get(who)
+        if had != has:
+            lines.append(f"{who}: {_list(had)} → {_list(has)}")
+    return Edit(tuple(lines))
+
+
+def _parts(what: str, a: dict[str, Any], b: dict[str, Any]) -> list[str]:
+    return [
+        *_counted(f"{what} gone", [name for name in a if name not in b]),
+        *_counted(f"{what} added", [name for name in b if name not in a]),
+        *_counted(f"{what} changed", _changed(a, b)),
+    ]
+
+
+def _changed(a: dict[str, Any], b: dict[str, Any]) -> list[str]:
+    found = []
+    for name in a:
+        if name in b and a[name] != b[name]:
+            if isinstance(a[name], Row):
+                changes = a[name].changes(b[name])
+                if changes:
+                    found.append(f"{name}: {'; '.join(changes[:3])}{'; …' * (len(changes) > 3)}")
+            else:
+                found.append(f"{name}: {a[name]} → {b[name]}")
+    return found
+
+
+def _counted(what: str, names: list[str], most: int = 6) -> list[str]:
+    if not names:
+        return []
+    shown = list(shortened(names))
+    more = [f"  … and {len(shown) - most} more"] if len(shown) > most else []
+    return [f"{what} ({len(names)}):", *(f"  {name}" for name in shown[:most]), *more]
+
+
+def _result(found: Solution) -> str:
+    if not found.found:
+        return f"{found.status}{f': {found.message}' if found.message else ''}"
+    return (
+        f"{found.status}: {_number(found.objective)} ({found.sense}), bound {_number(found.bound)}"
+        f", by {found.solver}"
+    )
+
+
+def _number(value: float | None) -> str:
+    return "none" if value is None else f"{value:.9g}"
+
+
+def _list(names: tuple[str, ...] | None) -> str:
+    return ", ".join(names) if names else "nothing"
