@@ -60,7 +60,7 @@ def tradeoff(
             _write_csv(rows, csv)
         if figure is not None:
             from ..plots import save_figure
-            from ..studies.analysis.tradeoff_pictures import regions_figure, tradeoff_figure
+            from ..studies.analysis.tradeoff_pages import regions_figure, tradeoff_figure
 
             drawn = regions_figure(regions) if len(names) > 1 else tradeoff_figure(result)
             save_figure(drawn, figure)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from .figure import own_axes, size_of
 from .legends import legend_below
 from .lettering import as_written, width_of
 from .marks import number_of
-from .style import FAINT, INK, RobotStyle, readable_on, robot_styles
+from .style import FADED, FAINT, INK, RobotStyle, readable_on, robot_styles
 
 BAR = 0.72
 """Height of a service bar, in rows."""
@@ -33,7 +33,13 @@ def gantt_height(n_robots: int) -> float:
 
 
 @as_written
-def plot_gantt(plan: Plan, ax: Axes | None = None, *, until: float | None = None) -> Axes:
+def plot_gantt(
+    plan: Plan,
+    ax: Axes | None = None,
+    *,
+    until: float | None = None,
+    faded: Collection[int] = (),
+) -> Axes:
     """Draw travel and service of each robot over time, and the makespan.
 
     Parameters
@@ -45,6 +51,8 @@ def plot_gantt(plan: Plan, ax: Axes | None = None, *, until: float | None = None
     until : float, optional
         Where the time axis ends, in time units, so that several timelines have one scale; by
         default, or if that is later, at this plan's makespan.
+    faded : collection of int
+        Ids of victims whose visits are drawn in grey.
 
     Returns
     -------
@@ -56,7 +64,7 @@ def plot_gantt(plan: Plan, ax: Axes | None = None, *, until: float | None = None
     ax = own_axes(9.0, gantt_height(len(robots)) + 1.4) if ax is None else ax
     makespan = plan.metrics.makespan
     horizon = 1.02 * max(makespan, until or 0.0) or 1.0
-    draw_rows(ax, plan, robots, horizon)
+    draw_rows(ax, plan, robots, horizon, faded)
     ax.axvline(makespan, color=INK, lw=1.2, ls=(0, (4, 2)), zorder=4)
     _name_makespan(ax, makespan)
     ax.set_title("Timeline", fontsize=9.5)
@@ -83,7 +91,9 @@ def _end(route: Route, speed: float) -> float:
     return served + max(len(route.back) - 1, 0) / speed
 
 
-def draw_rows(ax: Axes, plan: Plan, robots: Sequence[Robot], horizon: float) -> None:
+def draw_rows(
+    ax: Axes, plan: Plan, robots: Sequence[Robot], horizon: float, faded: Collection[int] = ()
+) -> None:
     """Draw a row for each of `robots`, up to `horizon` time units."""
     styles = robot_styles(plan.instance)
     row_of = {robot.id: row for row, robot in enumerate(robots)}
@@ -94,11 +104,18 @@ def draw_rows(ax: Axes, plan: Plan, robots: Sequence[Robot], horizon: float) -> 
     for route in plan.routes:
         style, row, clock = styles[route.robot], row_of[route.robot], 0.0
         for visit in route.visits:
-            travel.append((clock, visit.arrival, row, style.colour))
-            bar = (visit.arrival, visit.departure, row, style.colour)
+            colour = FADED if visit.victim in faded else style.colour
+            travel.append((clock, visit.arrival, row, colour))
+            bar = (visit.arrival, visit.departure, row, colour)
             service.setdefault(style.hatch, []).append(bar)
             names.append(
-                (visit.arrival, visit.departure, row, f"v{number_of(visit.victim)}", style)
+                (
+                    visit.arrival,
+                    visit.departure,
+                    row,
+                    f"v{number_of(visit.victim)}",
+                    readable_on(colour),
+                )
             )
             clock = visit.departure
         if route.back:
@@ -144,19 +161,19 @@ def _bars(
 
 def _name_bars(
     ax: Axes,
-    names: Sequence[tuple[float, float, int, str, RobotStyle]],
+    names: Sequence[tuple[float, float, int, str, str]],
     points_per_time_unit: float,
     pitch: float,
 ) -> None:
     """Write each victim's number on its bar, upright or turned, where one or the other fits."""
     widths = {text: width_of(text, FONT) for _, _, _, text, _ in names}
-    for start, end, row, text, style in names:
+    for start, end, row, text, ink in names:
         room = (end - start) * points_per_time_unit - 1
         flat = widths[text] <= room
         if flat or (room >= FONT and widths[text] <= BAR * pitch - 1):
             ax.text(
                 (start + end) / 2, row, text, rotation=0 if flat else 90, ha="center",
-                va="center_baseline" if flat else "center", fontsize=FONT, color=style.ink, zorder=5,
+                va="center_baseline" if flat else "center", fontsize=FONT, color=ink, zorder=5,
             ).set_in_layout(False)  # fmt: skip
 
 

@@ -72,7 +72,7 @@ def fitted(text: str, size: float, width: float, *, bold: bool = False) -> str:
 def width_of(text: str, size: float, *, bold: bool = False) -> float:
     """Points that a line of letters of `size` points takes."""
     font = FontProperties(size=size, weight="bold" if bold else "normal")
-    more, said = _fonts_for(text, font)
+    more, said = _fonts_for(text.replace("\n", " "), font)
     font.set_family([*font.get_family(), *more])
     width: float = text_to_path.get_text_width_height_descent(said, font, ismath=False)[0]
     return width

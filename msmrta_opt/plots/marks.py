@@ -8,7 +8,7 @@ on another mark is moved aside, and a line leads to the cell it stands for.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +23,7 @@ from ..mission.instance import Instance, Victim
 from ..mission.plan import Plan
 from .canvas import Scale
 from .placing import Box, apart
-from .style import FAINT, INK, MISSED, RobotStyle, robot_styles
+from .style import FADED, FAINT, INK, MISSED, RobotStyle, robot_styles
 
 MOST_KINDS = 12
 """Kinds that have an hour each; of more, a victim's own requirements share its clock."""
@@ -87,11 +87,11 @@ def weights_of(instance: Instance) -> dict[int, float]:
     return {v.id: 1 + 0.4 * (v.priority - low) / span for v in instance.victims}
 
 
-def served_groups(plan: Plan) -> list[Group]:
-    """The victims with the arcs of what they need, by who serves it."""
+def served_groups(plan: Plan, faded: Collection[int] = ()) -> list[Group]:
+    """The victims with the arcs of what they need, by who serves it; of those `faded` in grey."""
     styles = robot_styles(plan.instance)
     server = {
-        (visit.victim, kind): styles[route.robot].colour
+        (visit.victim, kind): FADED if visit.victim in faded else styles[route.robot].colour
         for route in plan.routes
         for visit in route.visits
         for kind in visit.served

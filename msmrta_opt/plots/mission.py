@@ -78,7 +78,7 @@ def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
             left = MARGIN + number * (width + TICKS + GAP) + TICKS
             ax = page.place(left, top + PANEL_TITLE, width, height)
             draw(ax)
-            _strip(ax)
+            strip(ax)
         top += line
     if below:
         draw_key(page, sections, MARGIN, upper + GAP, inner, columns)
@@ -87,7 +87,7 @@ def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
     if gantt:
         ax = page.place(MARGIN + 0.55, upper + below + 0.3, inner - 0.65, bars)
         plot_gantt(plan, ax)
-        _strip(ax, keep="x")
+        strip(ax, keep="x")
         ax.set_title("")
         ax.set_title(
             "Timeline: high bars serve, low ones travel", fontsize=9.5, loc="left", y=1.0, pad=4
@@ -130,7 +130,7 @@ def _map_height(plan: Plan, width: float) -> float:
     return min(max(width * n_rows / n_cols, 1.0), 9.0 if is_large(plan.instance) else 6.2)
 
 
-def _strip(ax: Axes, keep: str = "") -> None:
+def strip(ax: Axes, keep: str = "") -> None:
     """Take off what the page says once for all its parts."""
     if legend := ax.get_legend():
         legend.remove()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +15,7 @@ from ..mission.instance import Victim
 from ..mission.plan import Plan
 from .canvas import Scale
 from .marks import draw_groups, start_of, unserved_victims
-from .style import INK, MISSED, robot_styles
+from .style import FADED, INK, MISSED, robot_styles
 from .walks import corners, lanes
 
 LINES_OF = 24
@@ -28,7 +29,7 @@ def draws_lines(plan: Plan) -> bool:
     return plan.instance.n_robots <= LINES_OF
 
 
-def draw_walks(ax: Axes, plan: Plan, scale: Scale) -> None:
+def draw_walks(ax: Axes, plan: Plan, scale: Scale, faded: Collection[int] = ()) -> None:
     """Draw each robot's walk as a line in its colour, or of many robots how often cells are passed."""
     moving = [route for route in plan.routes if route.cells]
     if not moving:
@@ -43,8 +44,14 @@ def draw_walks(ax: Axes, plan: Plan, scale: Scale) -> None:
         return
     styles = robot_styles(plan.instance)
     shifts = lanes(len(moving), scale)
-    lines = [corners(route.cells, shift) for route, shift in zip(moving, shifts, strict=True)]
-    looks = [styles[route.robot] for route in moving]
+    lines, looks = [], []
+    for route, shift in zip(moving, shifts, strict=True):
+        style = styles[route.robot]
+        legs = [(visit.cells, visit.victim in faded) for visit in route.visits]
+        for leg, fades in [*legs, (route.back, True)] if faded else [(route.cells, False)]:
+            if len(leg) > 1:
+                lines.append(corners(leg, shift))
+                looks.append(replace(style, colour=FADED) if fades else style)
     ax.add_collection(
         LineCollection(lines, colors="white", linewidths=scale.line + 1.0, zorder=3),
         autolim=False,
@@ -72,7 +79,11 @@ def traffic(plan: Plan) -> NDArray[np.int64]:
 
 
 def draw_victims(
-    ax: Axes, plan: Plan, scale: Scale, shapes: Mapping[str, str] | None = None
+    ax: Axes,
+    plan: Plan,
+    scale: Scale,
+    shapes: Mapping[str, str] | None = None,
+    faded: Collection[int] = (),
 ) -> None:
     """Draw all victims in the colour of the robot that serves them last, and the robots' starts.
 
@@ -96,7 +107,7 @@ def draw_victims(
             ax.scatter(
                 [v.cell[1] for v in found], [v.cell[0] for v in found], marker=shape,
                 s=[side**2 * (0.5 + 0.5 * v.priority / top) for v in found],
-                c=[styles[last[v.id][1]].colour for v in found],
+                c=[FADED if v.id in faded else styles[last[v.id][1]].colour for v in found],
                 edgecolors=INK, linewidths=0.5, zorder=5,
             )  # fmt: skip
     unserved, idle = unserved_victims(plan), [v for v in instance.victims if v.id not in last]

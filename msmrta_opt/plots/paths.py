@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import replace
+
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -13,12 +16,18 @@ from .legends import legend_below, mark_handle, robot_handles
 from .lettering import as_written
 from .marks import MOST_KINDS, clock_marker, draw_groups, served_groups, short_number, start_of
 from .overview import TRAFFIC, draw_victims, draw_walks, draws_lines
-from .style import INK, robot_styles
+from .style import FADED, INK, robot_styles
 from .walks import draw_leg_mark, draw_walk, lanes
 
 
 @as_written
-def plot_paths(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) -> Axes:
+def plot_paths(
+    plan: Plan,
+    ax: Axes | None = None,
+    *,
+    robot_key: bool = True,
+    faded: Collection[int] = (),
+) -> Axes:
     """Draw each robot's walk with arrowheads, and at each victim what it needs and who serves it.
 
     Walks are shifted a little, each robot's by its own amount, so that shared cells show them all,
@@ -33,6 +42,8 @@ def plot_paths(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) ->
         Where to draw; a figure of its own by default.
     robot_key : bool
         Whether the legend lists the robots.
+    faded : collection of int
+        Ids of victims whose visits, and the walks to them, are drawn in grey.
 
     Returns
     -------
@@ -49,26 +60,33 @@ def plot_paths(plan: Plan, ax: Axes | None = None, *, robot_key: bool = True) ->
     )
     scale = Scale.of(ax, instance.map)
     if is_large(instance):
-        draw_walks(ax, plan, scale)
-        draw_victims(ax, plan, scale)
+        draw_walks(ax, plan, scale, faded)
+        draw_victims(ax, plan, scale, faded=faded)
     else:
-        _draw_each(ax, plan, scale)
+        _draw_each(ax, plan, scale, faded)
     legend_below(
         ax, [*(robot_handles(robot_styles(instance)) if robot_key else []), *paths_handles(plan)]
     )
     return ax
 
 
-def _draw_each(ax: Axes, plan: Plan, scale: Scale) -> None:
+def _draw_each(ax: Axes, plan: Plan, scale: Scale, faded: Collection[int]) -> None:
     instance, styles = plan.instance, robot_styles(plan.instance)
     starts = [start_of(r.start, r.id, styles[r.id]) for r in instance.robots]
-    taken = draw_groups(ax, [*starts, *served_groups(plan)], instance.map.shape, scale)
+    taken = draw_groups(ax, [*starts, *served_groups(plan, faded)], instance.map.shape, scale)
     moving = [route for route in plan.routes if route.cells]
-    for route, shift in zip(moving, lanes(len(moving), scale), strict=True):
-        style = styles[route.robot]
-        draw_walk(ax, route.cells, shift, style, scale)
-        for leg in (*(visit.cells for visit in route.visits), route.back):
-            draw_leg_mark(ax, leg, shift, short_number(route.robot), style, scale, taken)
+    shifts = lanes(len(moving), scale)
+    for fades in (True, False) if faded else (False,):
+        for route, shift in zip(moving, shifts, strict=True):
+            style = styles[route.robot] if not fades else replace(styles[route.robot], colour=FADED)
+            if not faded:
+                draw_walk(ax, route.cells, shift, style, scale)
+            legs = [(visit.cells, visit.victim in faded) for visit in route.visits]
+            for leg, fades_too in [*legs, (route.back, bool(faded))]:
+                if faded and fades_too == fades:
+                    draw_walk(ax, leg, shift, style, scale)
+                if fades_too == fades:
+                    draw_leg_mark(ax, leg, shift, short_number(route.robot), style, scale, taken)
 
 
 def paths_handles(plan: Plan) -> list[Artist]:

@@ -49,6 +49,11 @@ MISSED = "#C1121F"
 """Of what stays unserved or unfound, and of nothing else."""
 NEVER_SEEN = "#A9A3CF"
 DEFERRED = "#FFE98A"
+FADED = "#B9BDC4"
+"""Of what is the same in both of two plans."""
+SERIES = ("#202020", "#6A4C93", "#8A5A00")
+STEPS = ("#CFC4E3", "#A48FCB", "#7757A5", "#452673")
+"""Colours of what is no robot: lines of a chart, and steps of one thing."""
 
 STAGES = {
     "B2": "B2: cluster assignment",

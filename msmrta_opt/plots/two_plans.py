@@ -1,71 +1,134 @@
-"""Two plans beside each other: the paths of both, and what another robot serves."""
+"""Plans side by side: what differs in colour, what both have in grey, timelines on one axis."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from matplotlib.figure import Figure
 
+from ..mission.metrics import METRICS
 from ..mission.plan import Plan
-from .canvas import Scale, panel_size
-from .figure import Picture
-from .legends import LEGEND_FONT, mark_handle, robot_handles
-from .lettering import as_written, shortened
-from .paths import plot_paths
-from .style import INK, robot_styles
+from .canvas import is_large
+from .figure import POINTS_PER_INCH, Page
+from .gantt import gantt_height, plot_gantt
+from .key import Section, columns_below, draw_key, key_height
+from .legends import mark_handle, robot_handles
+from .lettering import as_written, fitted
+from .mission import GAP, MARGIN, PANEL_TITLE, TICKS, WIDTH, strip
+from .overview import LINES_OF
+from .paths import paths_handles, plot_paths
+from .style import FADED, FAINT, robot_styles
+from .titles import name_of, says
+
+TITLE = 0.75
+COMPARED = ("n_served", "makespan", "total_time", "distance", "mean_completion")
+"""Metrics whose differences the title says."""
 
 
 @as_written
 def plot_two_plans(before: Plan, after: Plan, *, ringed: Sequence[int] = ()) -> Figure:
-    """Draw the paths of two plans side by side.
+    """Draw the paths of two plans side by side, and their timelines on one axis.
 
     Parameters
     ----------
     before, after : Plan
         Robots of the same id have the same colour where both plans are for one mission.
     ringed : sequence of int
-        Ids of victims to put a ring around.
+        Ids of the victims whom another robot serves: they and the walks to them keep their colours,
+        all else is grey. Without any, all is in colour.
 
     Returns
     -------
     Figure
         Not known to pyplot; `save_figure` writes it, a notebook shows it.
     """
-    sizes = [panel_size(p.instance.map) for p in (before, after)]
-    width, height = (max(size[i] for size in sizes) for i in (0, 1))
-    styles = {**robot_styles(after.instance), **robot_styles(before.instance)}
-    columns = min(len(styles) + 1, 8)
-    figure = Picture(
-        figsize=(2 * (width + 0.7), height + 2.0 + 0.2 * -(-len(styles) // columns)),
-        layout="constrained",
-    )
-    for plan, ax in zip((before, after), figure.subplots(1, 2), strict=True):
-        plot_paths(plan, ax, robot_key=False)
-        walked = (
-            f"{plan.metrics.distance} cells walked, makespan {plan.metrics.makespan:g} time units"
-        )
-        ax.set_title(f"{shortened(plan.planner, 40)}: {walked}", fontsize=10)
-        ax.set_anchor("N")
-        cells = [v.cell for v in plan.instance.victims if v.id in ringed]
-        size = (2.6 * Scale.of(ax, plan.instance.map).mark) ** 2
-        ax.scatter(
-            [col for _, col in cells],
-            [row for row, _ in cells],
-            s=size,
-            facecolors="none",
-            edgecolors=INK,
-            linewidths=1.6,
-            linestyles="dotted",
-            zorder=3,
-        )
-    handles = robot_handles(styles)
-    if ringed:
-        handles.append(mark_handle("o", "another robot serves this victim", edge=INK, face="white"))
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=columns,
-        fontsize=LEGEND_FONT + 0.5,
-        frameon=False,
-    )
-    return figure
+    plans = (before, after)
+    moved = set(ringed)
+    faded = {v.id for p in plans for v in p.instance.victims} - moved if moved else set()
+    sections = plans_key(plans)
+    if moved:
+        grey = mark_handle("o", "the same robot in both plans", face=FADED)
+        sections.append(Section("Differences", [grey]))
+    inner = WIDTH - 2 * MARGIN
+    maps = maps_height(plans, inner)
+    columns = columns_below(sections, inner)
+    key = key_height(sections, inner, columns) + GAP
+    bars = [gantt_height(plan.instance.n_robots) for plan in plans]
+    page = Page(WIDTH, TITLE + maps + key + sum(bars) + 0.75 * len(plans) + MARGIN)
+    room = inner * POINTS_PER_INCH
+    both = f"{name_of(before.instance)}: {says(before)} → {says(after)}"
+    page.write(MARGIN, 0.1, fitted(both, 12, room, bold=True), 12, fontweight="bold")
+    page.write(MARGIN, 0.36, fitted(_differences(before, after), 9, room), 9, color=FAINT)
+    titles = [says(plan) for plan in plans]
+    draw_maps(page, list(zip(titles, plans, strict=True)), TITLE, inner, faded)
+    draw_key(page, sections, MARGIN, TITLE + maps + 0.05, inner, columns)
+    top = TITLE + maps + key
+    until = max(plan.metrics.makespan for plan in plans)
+    for title, plan, height in zip(titles, plans, bars, strict=True):
+        ax = page.place(MARGIN + 0.55, top + 0.3, inner - 0.65, height)
+        plot_gantt(plan, ax, until=until, faded=faded)
+        strip(ax, keep="x")
+        ax.set_title("")
+        ax.set_title(fitted(title, 9.5, 0.6 * room), fontsize=9.5, loc="left", y=1.0, pad=4)
+        top += height + 0.75
+    return page
+
+
+def maps_height(plans: Sequence[Plan], width: float) -> float:
+    """Inches that the maps of plans take, beside each other in so many inches."""
+    across = _across(plans, width)
+    return PANEL_TITLE + max(_height(plan, across) for plan in plans) + TICKS
+
+
+def draw_maps(
+    page: Page,
+    items: Sequence[tuple[str, Plan]],
+    top: float,
+    width: float,
+    faded: Collection[int] = (),
+) -> None:
+    """Draw the paths of plans beside each other, each under its title and what it costs."""
+    across = _across([plan for _, plan in items], width)
+    for number, (title, plan) in enumerate(items):
+        left = MARGIN + TICKS + number * (across + TICKS + GAP)
+        ax = page.place(left, top + PANEL_TITLE, across, _height(plan, across))
+        plot_paths(plan, ax, robot_key=False, faded=faded)
+        strip(ax)
+        m, room = plan.metrics, across * POINTS_PER_INCH
+        cost = f"{m.n_served} served, {m.distance} cells walked, makespan {m.makespan:.6g}"
+        ax.set_title(f"{fitted(title, 9.5, room)}\n{fitted(cost, 9.5, room)}", fontsize=9.5)
+
+
+def plans_key(plans: Sequence[Plan]) -> list[Section]:
+    """What robots and victims look like in plans for one mission, or for several."""
+    styles = {r: style for plan in plans for r, style in robot_styles(plan.instance).items()}
+    words = {r.id: ", ".join(r.capabilities) for plan in plans for r in plan.instance.robots}
+    words = {robot: said or "no capability" for robot, said in words.items()}
+    victims = {str(h.get_label()): h for plan in plans for h in paths_handles(plan)}
+    large = any(is_large(plan.instance) for plan in plans)
+    return [
+        Section("Robots", robot_handles(styles, words) if len(styles) <= LINES_OF else []),
+        Section(
+            "Victims" if large else "Victims (arc: colour of who serves it)", [*victims.values()]
+        ),
+    ]
+
+
+def _across(plans: Sequence[Plan], width: float) -> float:
+    """Inches of a map's axes."""
+    return width / max(len(plans), 2) - TICKS - GAP
+
+
+def _height(plan: Plan, across: float) -> float:
+    n_rows, n_cols = plan.instance.map.shape
+    return min(max(across * n_rows / n_cols, 1.0), 6.2)
+
+
+def _differences(before: Plan, after: Plan) -> str:
+    said = []
+    for name in COMPARED:
+        entry = METRICS[name]
+        old, new = (float(getattr(plan.metrics, name)) for plan in (before, after))
+        change = f"{old:.5g} → {new:.5g} ({new - old:+.3g})" if new != old else f"{old:.5g} in both"
+        said.append(f"{entry.heading} {change}")
+    return " · ".join(said)

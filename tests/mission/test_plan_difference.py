@@ -120,11 +120,9 @@ def test_plans_for_different_missions_say_so(plan: Plan) -> None:
 
 def test_a_picture_of_both_plans_shows_a_panel_each(plan: Plan) -> None:
     figure = plan.diff(changed(plan, {3: []})).plot()
-    titles = [ax.get_title() for ax in figure.axes]
-    assert titles == [
-        "by hand: 9 cells walked, makespan 14 time units",
-        "by hand: 6 cells walked, makespan 14 time units",
-    ]
+    titles = [ax.get_title() for ax in figure.axes if ax.get_title()]
+    assert [title.split("\n")[0] for title in titles] == ["by hand", "by hand"]
+    assert [title.split(", ")[1] for title in titles] == ["9 cells walked", "6 cells walked"]
 
 
 @pytest.mark.parametrize("what", ["mission", "plan", "diff"])

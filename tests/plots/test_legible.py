@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import EllipseCollection
-from matplotlib.figure import Figure
-from matplotlib.text import Text
-from matplotlib.transforms import Bbox
+from support.legible import assert_legible
 
+from msmrta_opt import plots
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.layouts import rooms
@@ -85,59 +79,6 @@ def planned(request: pytest.FixtureRequest) -> Plan:
     return make_plan(MISSIONS[request.param]())
 
 
-def written(figure: Figure) -> list[tuple[str, Bbox]]:
-    """Each text that is drawn, with the box that the renderer gives it, its frame included."""
-    texts: dict[Text, None] = {}
-    draw = Text.draw
-
-    def note(text: Text, *arguments: Any, **options: Any) -> None:
-        texts[text] = None
-        draw(text, *arguments, **options)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Text, "draw", note)
-        FigureCanvasAgg(figure).draw()
-    frames = {text: text.get_bbox_patch() for text in texts if text.get_text().strip()}
-    return [
-        (text.get_text(), (text if frame is None else frame).get_window_extent())
-        for text, frame in frames.items()
-    ]
-
-
-def discs(figure: Figure) -> Iterator[Bbox]:
-    """The boxes of the victims' discs."""
-    for ax in figure.axes:
-        for group in ax.collections:
-            if isinstance(group, EllipseCollection):
-                sizes = np.broadcast_to(2 * np.asarray(group._widths), len(group.get_offsets()))
-                for (x, y), size in zip(group.get_offsets(), sizes, strict=True):
-                    half = size / 2
-                    corners = ax.transData.transform([(x - half, y - half), (x + half, y + half)])
-                    yield Bbox([corners.min(axis=0), corners.max(axis=0)])
-
-
-def overlap(one: Bbox, other: Bbox, slack: float = 1.0) -> bool:
-    """Whether boxes share more than `slack` pixels each way."""
-    both = Bbox.intersection(one, other)
-    return both is not None and both.width > slack and both.height > slack
-
-
-def assert_legible(figure: Figure) -> None:
-    texts = written(figure)
-    assert len(texts) > 10
-    page = figure.bbox
-    outside = [
-        said
-        for said, box in texts
-        if box.x0 < page.x0 or box.y0 < page.y0 or box.x1 > page.x1 or box.y1 > page.y1
-    ]
-    assert outside == []
-    assert [(a, b) for (a, x), (b, y) in combinations(texts, 2) if overlap(x, y)] == []
-    for disc in discs(figure):
-        on_it = [said for said, box in texts if overlap(box, disc)]
-        assert len(on_it) <= 1  # the number of the disc itself
-
-
 def test_no_text_of_a_page_lies_outside_or_on_another(planned: Plan) -> None:
     assert_legible(planned.plot())
 
@@ -157,6 +98,12 @@ def test_every_victim_of_a_small_mission_is_named_in_each_panel() -> None:
 
 
 PANELS = ("Scouting", "Assignment", "Paths")
+
+
+def test_no_text_of_two_plans_side_by_side_lies_outside_or_on_another() -> None:
+    plan = make_plan(Instance.read(PAPER))
+    other = make_plan(plan.instance, planner="mrga")
+    assert_legible(plots.plot_two_plans(plan, other, ringed=[1, 5]))
 
 
 # Contrast, and robots apart without colour

@@ -23,7 +23,7 @@ from msmrta_opt.studies.analysis.profile import performance_profile
 from msmrta_opt.studies.analysis.staging import Loss
 from msmrta_opt.studies.analysis.staging_picture import staging_losses
 from msmrta_opt.studies.analysis.tradeoff import tradeoff
-from msmrta_opt.studies.analysis.tradeoff_pictures import tradeoff_figure
+from msmrta_opt.studies.analysis.tradeoff_pages import tradeoff_figure
 from msmrta_opt.studies.solves import record_of_row
 
 NAMES = {

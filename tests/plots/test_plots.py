@@ -20,9 +20,12 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
-from msmrta_opt.mission.plan import Plan
+from msmrta_opt.mission.plan import Plan, Track
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.plots.figure import PictureAxes
+from msmrta_opt.plots.scouting import first_seen
+from msmrta_opt.plots.style import MISSED
+from msmrta_opt.plots.titles import says
 
 PANELS: list[Callable[..., Axes]] = [
     plots.plot_scouting,
@@ -194,3 +197,76 @@ def test_names_of_clusters_leave_those_of_victims_legible(planned: Plan, own: bo
     assert len(clusters) == len(planned.clusters)
     assert len(victims) == planned.instance.n_victims
     assert not any(one.overlaps(other) for one in clusters for other in victims)
+
+
+def test_what_a_scout_saw_is_cut_by_walls_and_dated_by_its_first_sight() -> None:
+    # One row above a wall with a gap; the scout walks right, looking two cells far.
+    grid = grid_from_rows(["....", "@@.@", "...."])
+    track = Track(scout=0, visual_field_depth=2, cells=((0, 0), (0, 1), (0, 2)))
+    seen = first_seen(grid, [track])
+    never = np.inf
+    assert seen[0].tolist() == [0, 0, 0, 1]
+    # Down through the gap: on a diagonal that grazes its two corners, or straight from above it.
+    assert seen[1].tolist() == [never, never, 1, never]
+    assert seen[2].tolist() == [never, never, 2, 1]
+
+
+def test_a_title_says_who_planned_and_what_was_done_or_proven(planned: Plan) -> None:
+    assert says(planned) == "msmrta"
+    improved = planned.model_copy(update={"options": {"improve": 1.0}})
+    assert says(improved) == "msmrta + 1 s local search"
+    proof = planned.certificates[0].model_copy(
+        update={"stage": "joint problem", "status": "optimal", "bound": 3655 / 3, "gap": 0.0}
+    )
+    exact = planned.model_copy(update={"planner": "exact", "certificates": (proof,)})
+    assert says(exact) == "exact: optimal, bound 1218.33"
+    assert says(exact) in " ".join(text.get_text() for text in exact.plot().texts)
+
+
+def test_clusters_are_outlined_only_while_they_say_who_serves_whom(planned: Plan) -> None:
+    moved = [
+        route.model_copy(
+            update={
+                "visits": tuple(v.model_copy(update={"stage": "improved"}) for v in route.visits)
+            }
+        )
+        for route in planned.routes
+    ]
+    improved = planned.model_copy(update={"routes": tuple(moved)})
+    for plan, outlined in ((planned, True), (improved, False)):
+        names = [text.get_text() for text in plots.plot_assignment(plan).texts]
+        assert any(name.startswith("C") for name in names) is outlined
+
+
+def test_a_red_ring_is_around_each_unserved_victim_in_every_panel(planned: Plan) -> None:
+    unserved = {item.victim for item in planned.unserved}
+    assert len(unserved) == 2
+    for draw in PANELS[:3]:
+        red = [
+            len(group.get_paths())
+            for group in draw(planned).collections
+            if [to_hex(c) for c in group.get_facecolor()] == [MISSED.lower()]
+        ]
+        assert red == [len(unserved)]
+
+
+def test_a_large_mission_is_one_map_and_a_timeline_sorted_by_finish() -> None:
+    plan = make_plan(mission(12, 30))
+    page = plan.plot()
+    paths, timeline = page.axes[:2]
+    assert len(page.axes) == 2
+    assert len(paths.texts) == 12  # the robots' starts
+    done = {route.robot: route.visits[-1].departure for route in plan.routes if route.visits}
+    rows = [int(label.get_text()[1:]) for label in timeline.get_yticklabels()]
+    finished = [done.get(robot, 0.0) for robot in rows]
+    assert finished == sorted(finished, reverse=True)
+
+
+def test_letters_stay_letters_in_svg_and_truetype_in_pdf(planned: Plan, tmp_path: Path) -> None:
+    ax = plots.plot_gantt(planned)
+    for name in ("plan.svg", "plan.pdf"):
+        plots.save_figure(ax, tmp_path / name)
+    assert ">time (time units)</text>" in (tmp_path / "plan.svg").read_text(encoding="utf-8")
+    pdf = (tmp_path / "plan.pdf").read_bytes()
+    assert b"/FontFile2" in pdf
+    assert b"/Type3" not in pdf

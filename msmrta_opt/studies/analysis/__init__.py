@@ -4,5 +4,5 @@ Of solves: `agreement` (contradictions), `regression` (against a baseline), `tim
 of the performance profile) and `profile` (its picture). Of formulations: `score` (by the plans they
 make), `choices` (who gets what), `witness` (a mission that tells two apart). Of the staged planner:
 `staging` (what each stage costs) with `staging_picture`, `tradeoff` (what ψ and β do) with
-`tradeoff_pictures`.
+`tradeoff_pictures` and `tradeoff_pages`.
 """

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from ...plots.figure import own_axes
 from ...plots.legends import legend_below
 from ...plots.lettering import as_written, plain
-from ...plots.style import PALETTE
+from ...plots.style import STEPS
 from .staging import Loss
 
 
@@ -37,16 +37,18 @@ def staging_losses(
     priced = {name: losses for name, losses in priced.items() if losses}
     for row, losses in enumerate(priced.values()):
         left = losses[-1].after
-        ax.barh(row, left, color="#D9D9D9", edgecolor="white", label="all free" if not row else "")
+        needed = "needed even if nothing is staged" if not row else ""
+        ax.barh(row, left, color="#D9D9D9", edgecolor="white", label=needed)
         for i, item in enumerate(reversed(losses)):
             label = f"lost by {item.stage}" if not row else ""
-            ax.barh(row, item.loss, left=left, color=PALETTE[i], edgecolor="white", label=label)
+            colour = STEPS[i % len(STEPS)]
+            ax.barh(row, item.loss, left=left, color=colour, edgecolor="white", label=label)
             left += item.loss
         ax.text(left, row, f" {left:.1f}", va="center")
     ax.set_yticks(range(len(priced)), [plain(name) for name in priced])
     ax.invert_yaxis()
     ax.set_xlabel(f"{objective.replace('_', ' ')} (time units)")
-    ax.set_title("What each stage of the staged plan costs")
+    ax.set_title("What each stage of the staged plan costs", fontsize=10)
     ax.margins(x=0.12)
     legend_below(ax)
     return ax

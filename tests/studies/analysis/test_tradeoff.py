@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.legible import assert_legible
 
 from msmrta_opt.cli import run
 from msmrta_opt.interruption import interruptible
@@ -26,6 +27,7 @@ from msmrta_opt.planners import plan
 from msmrta_opt.stages.options import StagedOptions
 from msmrta_opt.studies.analysis import tradeoff as tradeoffs
 from msmrta_opt.studies.analysis.tradeoff import _Problem, tradeoff, tradeoff_regions
+from msmrta_opt.studies.analysis.tradeoff_pages import regions_figure, tradeoff_figure
 from msmrta_opt.studies.analysis.tradeoff_pictures import apart, plot_value
 
 INSTANCES = Path(__file__).parents[3] / "instances"
@@ -158,6 +160,20 @@ def test_pieces_that_are_proved_before_ctrl_c_are_those_of_the_whole(
     pieces = [(piece.low, piece.high) for piece in found.pieces]
     assert pieces == [(piece.low, piece.high) for piece in whole.segments][: len(pieces)]
     assert len(pieces) < len(whole.segments)
+
+
+def test_no_text_of_a_page_lies_outside_or_on_another(paper: Instance) -> None:
+    assert_legible(tradeoff_figure(tradeoff(paper, "psi")))
+    assert_legible(tradeoff_figure(tradeoff(paper, "beta")))
+    assert_legible(regions_figure(tradeoff_regions(paper)))
+
+
+def test_a_parameter_without_effect_is_said_instead_of_drawn() -> None:
+    mission = Instance.read(PAPER.parent / "two_rooms.json")
+    page = tradeoff_figure(tradeoff(mission, "psi"))
+    said = [text.get_text() for text in page.texts]
+    assert any("ψ has no effect on this mission" in text for text in said)
+    assert len(page.axes) == 1
 
 
 def test_an_unknown_parameter_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str]) -> None:
