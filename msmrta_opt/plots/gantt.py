@@ -132,7 +132,7 @@ def draw_rows(
             edgecolors=INK,
             linewidths=edge,
             zorder=3,
-            hatch=hatch if pitch > 12 else "",
+            hatch=hatch if pitch > 16 else "",
         )
     if pitch > 1.2 * FONT:
         _name_bars(ax, names, size[0] / horizon, pitch)
@@ -166,11 +166,13 @@ def _name_bars(
     pitch: float,
 ) -> None:
     """Write each victim's number on its bar, upright or turned, where one or the other fits."""
-    widths = {text: width_of(text, FONT) for _, _, _, text, _ in names}
     for start, end, row, text, ink in names:
         room = (end - start) * points_per_time_unit - 1
-        flat = widths[text] <= room
-        if flat or (room >= FONT and widths[text] <= BAR * pitch - 1):
+        if room < 0.8 * FONT:
+            continue
+        width = width_of(text, FONT)
+        flat = width <= room
+        if flat or (room >= FONT and width <= BAR * pitch - 1):
             ax.text(
                 (start + end) / 2, row, text, rotation=0 if flat else 90, ha="center",
                 va="center_baseline" if flat else "center", fontsize=FONT, color=ink, zorder=5,

@@ -17,6 +17,8 @@ Drawn = TypeVar("Drawn", bound=Artist)
 
 LONGEST_NAME, LONGEST_LINE = 40, 200
 """Characters of a name beside others, and of a line: more would push the rest off the page."""
+HINTED = 1.05
+"""By how much a line may be wider on a screen's pixels than its letters are by themselves."""
 BOX = "\N{WHITE SQUARE}"
 """Stands for a character that no font here has."""
 
@@ -57,6 +59,7 @@ def shortened(text: str, longest: int = LONGEST_NAME) -> str:
 def fitted(text: str, size: float, width: float, *, bold: bool = False) -> str:
     """`text` in one line, cut so that letters of `size` points take no more than `width` points."""
     line = " ".join(text.split())[:LONGEST_LINE]
+    width /= HINTED
     if width_of(line, size, bold=bold) <= width:
         return line
     low, high = 0, len(line)
@@ -69,6 +72,7 @@ def fitted(text: str, size: float, width: float, *, bold: bool = False) -> str:
     return f"{line[:low].rstrip()}…"
 
 
+@cache
 def width_of(text: str, size: float, *, bold: bool = False) -> float:
     """Points that a line of letters of `size` points takes."""
     font = FontProperties(size=size, weight="bold" if bold else "normal")

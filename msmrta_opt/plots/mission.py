@@ -115,11 +115,10 @@ def _rows(plan: Plan, panels: list[Panel]) -> list[tuple[float, list[Panel]]]:
 def _panels(plan: Plan) -> list[Panel]:
     """What draws each panel into its axes."""
     panels: list[Panel] = []
-    staged = any(visit.stage in STAGES for route in plan.routes for visit in route.visits)
     if not is_large(plan.instance):
         if plan.scouting is not None:
             panels.append(lambda ax: plot_scouting(plan, ax, robot_key=False))
-        if staged:
+        if _is_staged(plan):
             panels.append(lambda ax: plot_assignment(plan, ax, robot_key=False))
     panels.append(lambda ax: plot_paths(plan, ax, robot_key=False))
     return panels
@@ -128,6 +127,10 @@ def _panels(plan: Plan) -> list[Panel]:
 def _map_height(plan: Plan, width: float) -> float:
     n_rows, n_cols = plan.instance.map.shape
     return min(max(width * n_rows / n_cols, 1.0), 9.0 if is_large(plan.instance) else 6.2)
+
+
+def _is_staged(plan: Plan) -> bool:
+    return any(visit.stage in STAGES for route in plan.routes for visit in route.visits)
 
 
 def strip(ax: Axes, keep: str = "") -> None:
@@ -149,7 +152,7 @@ def _sections(plan: Plan) -> list[Section]:
     if instance.n_robots <= LINES_OF:
         robots += robot_handles(styles, words)
     victims = paths_handles(plan)
-    served = assignment_handles(plan) if len(_panels(plan)) > 1 else []
+    served = assignment_handles(plan) if _is_staged(plan) and not is_large(instance) else []
     known = {str(handle.get_label()) for handle in served}
     victims = [handle for handle in victims if str(handle.get_label()) not in known]
     scouts = []
