@@ -49,8 +49,8 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("readme")
     for name in ("instances", "models", "msmrta_opt", "pyproject.toml", "studies"):
         if (ROOT / name).is_dir():
-            ignored = shutil.ignore_patterns("__pycache__")
-            shutil.copytree(ROOT / name, folder / name, ignore=ignored)
+            # With what is compiled: the copy need not compile it again.
+            shutil.copytree(ROOT / name, folder / name)
         elif (ROOT / name).exists():
             shutil.copy(ROOT / name, folder / name)
     return folder
