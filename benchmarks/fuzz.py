@@ -30,7 +30,7 @@ import msmrta_opt as mo
 from msmrta_opt.certify.certificates import recheck
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.isolation import Failure, run_isolated
-from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.errors import InputError, NoPlanError
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import planners
@@ -181,7 +181,7 @@ def _run(
                 instance, objective=objective, callbacks=Follow(), **options
             )
     except InputError as error:
-        if " exists" in str(error):
+        if isinstance(error, NoPlanError) and error.proven:
             known.impossible.append(who)
         elif "endurance" not in options and "longest_walk" not in options:
             wrong.append(f"refused: {error}")

@@ -41,6 +41,22 @@ class InputError(MsmrtaError, ValueError):
         return self if self.file else InputError(self.problem, field=self.field, file=file)
 
 
+class NoPlanError(InputError):
+    """There is no plan that keeps to the robots' limits, or none was found in time.
+
+    Parameters
+    ----------
+    problem, field
+        As for `InputError`.
+    proven : bool
+        Whether it is known that there is none.
+    """
+
+    def __init__(self, problem: str, *, field: str = "", proven: bool = False) -> None:
+        super().__init__(problem, field=field)
+        self.proven = proven
+
+
 class ModelError(MsmrtaError):
     """A formulation cannot be loaded, built or written as a linear integer program."""
 

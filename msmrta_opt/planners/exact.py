@@ -83,7 +83,9 @@ def run(
     Raises
     ------
     InputError
-        If an option is wrong, or no plan that keeps to the robots' limits exists or is found.
+        If an option is wrong.
+    NoPlanError
+        If no plan that keeps to the robots' limits exists, or none is found in time.
     """
     aim, tuned = objective_of(objective), Parameters.of(parameters)
     for name, number in {"time_limit": time_limit, "gap": gap}.items():

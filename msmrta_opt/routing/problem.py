@@ -181,28 +181,37 @@ def times(data: RoutingData, routes: Routes) -> Times:
 
 
 def faults(data: RoutingData, routes: Routes) -> list[str]:
-    """What is wrong with `routes`, one line each; empty if nothing is."""
+    """What is wrong with `routes`, one line each, in ids; empty if nothing is."""
     wrong: list[str] = []
     served: Counter[tuple[int, int]] = Counter()
     if len(routes) != data.n_robots:
         return [f"{len(routes)} routes for {data.n_robots} robots"]
-    for r, route in enumerate(routes):
+    robots, victims, kinds_named = data.ids["r"], data.ids["v"], data.ids["k"]
+    for robot, r, route in zip(robots, range(data.n_robots), routes, strict=True):
         visits = Counter(v for v, _ in route)
-        wrong += [f"robot {r} visits victim {v} {n} times" for v, n in visits.items() if n > 1]
+        wrong += [
+            f"robot {robot} visits victim {victims[v]} {n} times"
+            for v, n in visits.items()
+            if n > 1
+        ]
         for v, kinds in route:
             if not kinds:
-                wrong.append(f"robot {r} visits victim {v} for nothing")
+                wrong.append(f"robot {robot} visits victim {victims[v]} for nothing")
             for k in kinds:
                 served[v, k] += 1
                 if not data.able[r, v, k]:
-                    wrong.append(f"robot {r} cannot serve kind {k} at victim {v}")
-    for v, k in np.argwhere(data.required):
-        if served[int(v), int(k)] != 1:
-            wrong.append(f"kind {k} at victim {v} is served {served[int(v), int(k)]} times")
+                    what = f"kind {kinds_named[k]} at victim {victims[v]}"
+                    wrong.append(f"robot {robot} cannot serve {what}")
+    for v, k in np.argwhere(data.required).tolist():
+        if served[v, k] != 1:
+            what = f"kind {kinds_named[k]} at victim {victims[v]}"
+            wrong.append(f"{what} is served {served[v, k]} times")
     at = times(data, routes)
-    for r in range(data.n_robots):
-        if at.busy[r] > data.endurance[r] * (1 + SUMS):
-            wrong.append(f"robot {r} is busy for {at.busy[r]:g}, beyond {data.endurance[r]:g}")
-        if at.travel[r] > data.longest_walk[r] * (1 + SUMS):
-            wrong.append(f"robot {r} travels for {at.travel[r]:g}, beyond {data.longest_walk[r]:g}")
+    for robot, busy, travel, endurance, longest_walk in zip(
+        robots, at.busy, at.travel, data.endurance, data.longest_walk, strict=True
+    ):
+        if busy > endurance * (1 + SUMS):
+            wrong.append(f"robot {robot} is busy for {busy:g}, beyond {endurance:g}")
+        if travel > longest_walk * (1 + SUMS):
+            wrong.append(f"robot {robot} travels for {travel:g}, beyond {longest_walk:g}")
     return wrong

@@ -15,7 +15,7 @@ from support.joint_oracle import least
 
 import msmrta_opt as mo
 from msmrta_opt.certify.plan import problems
-from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.errors import InputError, NoPlanError
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows, read_map
@@ -217,9 +217,10 @@ def test_a_limit_that_there_was_not_excuses_nothing(corridor: Instance) -> None:
 def test_limits_that_allow_each_victim_but_not_both_are_refused(
     corridor: Instance, limit: dict[str, float]
 ) -> None:
-    with pytest.raises(InputError, match="limits exists") as refused:
+    with pytest.raises(NoPlanError, match="limits exists") as refused:
         mo.plan(corridor, planner="exact", objective=None, **limit)
     assert refused.value.field == next(iter(limit))
+    assert refused.value.proven
 
 
 def test_a_plan_within_limits_is_found_where_quick_planners_go_beyond_them() -> None:

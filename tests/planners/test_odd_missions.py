@@ -14,7 +14,7 @@ from support.odd_missions import odd_mission, odd_options
 
 from msmrta_opt.certify.certificates import recheck
 from msmrta_opt.certify.plan import problems
-from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.errors import InputError, NoPlanError
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import planners
 
@@ -51,7 +51,7 @@ def wrong_by(name: str, number: int) -> list[str]:
     except InputError as error:
         scouted = planners()["greedy"].run(mission, seed=options["seed"])
         nothing = scouted.model_copy(update={"planner": name, "options": options})
-        limited = "no plan that keeps to the robots' limits exists" in str(error)
+        limited = isinstance(error, NoPlanError) and error.proven
         if limited and small_checker.minimum(nothing.document(), options["objective"]) is None:
             return []
         return [str(error)]

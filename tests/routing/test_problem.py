@@ -7,7 +7,7 @@ and which only robot 1 has.
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -120,6 +120,17 @@ def test_limits_are_kept_per_robot() -> None:
     assert faults(line(endurance=16), ROUTES) == ["robot 1 is busy for 17, beyond 16"]
     assert faults(line(longest_walk=9), ROUTES) == ["robot 1 travels for 10, beyond 9"]
     assert faults(line(back=True, endurance=26), ROUTES) == ["robot 1 is busy for 27, beyond 26"]
+
+
+def test_faults_speak_in_ids() -> None:
+    ids = {"r": [7, 3], "v": [104, 12, 9], "k": ["saw", "oxygen"]}
+    data = replace(line(endurance=16), ids=ids)
+    assert faults(data, ROUTES) == ["robot 3 is busy for 17, beyond 16"]
+    routes: Routes = (((0, (0, 1)),), ((2, (0,)), (1, (1,))))
+    assert faults(data, routes)[:2] == [
+        "robot 7 cannot serve kind oxygen at victim 104",
+        "kind saw at victim 12 is served 0 times",
+    ]
 
 
 def test_arrays_of_the_wrong_shape_are_refused() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...mission.errors import InputError
+from ...mission.errors import NoPlanError
 from ...optimise.solve import solve
 from ...routing.objectives import Objective
 from ...routing.problem import Routes, RoutingData, faults
@@ -30,7 +30,7 @@ def first_routes(
 
     Raises
     ------
-    InputError
+    NoPlanError
         If there are no routes that keep to the limits, or none was found in time.
     """
     found: list[Routes] = []
@@ -51,10 +51,12 @@ def _by_model(data: RoutingData, seconds: float) -> Routes:
     """Routes that keep to the limits, by the explicit model."""
     solution = solve(MODEL, data, gap=1.0, time_limit=seconds)
     if not solution.found:
-        why = "exists" if solution.status == "infeasible" else "was found in time"
-        raise InputError(
-            f"no plan that keeps to the robots' limits {why}; give more",
+        proven = solution.status == "infeasible"
+        raise NoPlanError(
+            "no plan that keeps to the robots' limits"
+            f" {'exists' if proven else 'was found in time'}; give more",
             field="endurance" if np.isfinite(data.endurance).any() else "longest_walk",
+            proven=proven,
         )
     goes, serves = solution.values["x"] > 0.5, solution.values["a"] > 0.5
     routes = []

@@ -105,6 +105,11 @@ def subset_of(
         longest_walk=data.longest_walk[own],
         time_unit=data.time_unit,
         priority_unit=data.priority_unit,
+        ids={
+            "r": [data.ids["r"][r] for r in robots],
+            "v": [data.ids["v"][v] for v in victims],
+            "k": data.ids["k"],
+        },
     )
     theirs = tuple(tuple((place[v], kinds) for v, kinds in routes[r]) for r in robots)
     return subset, theirs, victims.tolist()
