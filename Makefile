@@ -22,10 +22,10 @@ types: $(VENV)/.installed
 	$(BIN)/mypy
 
 test-all: lint types
-	$(BIN)/python -m pytest -n auto -m "slow or not slow"
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow or not slow"
 
 unit: $(VENV)/.installed
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 # The README's pictures, and the published schema.
 figure: demo

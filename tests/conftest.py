@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -18,7 +20,32 @@ settings.register_profile(
 )
 settings.load_profile("default")
 
-INSTANCES = Path(__file__).parents[1] / "instances"
+ROOT = Path(__file__).parents[1]
+COMPILED = (
+    "msmrta_opt.mission.breadth_first",
+    "msmrta_opt.routing.heuristics.compiled_steps",
+    "msmrta_opt.stages.random_swap",
+)
+INSTANCES = ROOT / "instances"
+LONG = ("test_readme.py", "test_notebooks.py", "test_packaging.py", "test_registry.py")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """In a fresh checkout, compile the inner loops once, and not in each process that comes first."""
+    if getattr(config.option, "numprocesses", None) and not any(
+        (ROOT / "msmrta_opt").rglob("*.nbi")
+    ):
+        compiling = [
+            subprocess.Popen([sys.executable, "-c", f"import {name}"], stderr=subprocess.DEVNULL)
+            for name in COMPILED
+        ]
+        for process in compiling:  # where there is no numba, each fails at once
+            process.wait()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with long tests first, so that no process waits for another in the end."""
+    items.sort(key=lambda item: item.path.name not in LONG)
 
 
 @pytest.fixture(scope="session")

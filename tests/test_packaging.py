@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -64,6 +65,14 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     site = tmp_path_factory.mktemp("site")
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(site)
+    # What is compiled here is not compiled again there: it goes by the time of its source.
+    for index in (ROOT / "msmrta_opt").rglob("*.nbi"):
+        name = f"{index.name.partition('.')[0]}.py"
+        source = index.parents[1] / name
+        copy = site / source.relative_to(ROOT)
+        if copy.exists() and copy.read_bytes() == source.read_bytes():
+            shutil.copytree(index.parent, copy.parent / "__pycache__", dirs_exist_ok=True)
+            os.utime(copy, ns=(source.stat().st_atime_ns, source.stat().st_mtime_ns))
     return site
 
 
@@ -122,17 +131,18 @@ if __name__ == '__main__':
 """
 
 
-@pytest.mark.parametrize("where", ["checkout", "in place", "wheel"])
+@pytest.mark.parametrize("where", ["in place", "wheel"])
 def test_a_new_file_is_listed_solved_compared_exported_and_held_to_the_contract(
     where: str, installed: Path, tmp_path: Path
 ) -> None:
-    # "in place" is the editable install in which the tests run; "checkout" has it on the path.
+    # "in place" is the editable install in which the tests run; the tour of the README runs in a
+    # checkout on the path.
     own = tmp_path / "own"
     own.mkdir()
     (own / "cluster_mine.py").write_text(OWN_MODEL)
     (tmp_path / "small.json").write_bytes((ROOT / "instances" / "two_rooms.json").read_bytes())
     (tmp_path / "use_it.py").write_text(USE_IT)
-    path = {"checkout": ROOT, "in place": None, "wheel": installed}[where]
+    path = installed if where == "wheel" else None
     code = "import runpy; runpy.run_path('use_it.py', run_name='__main__')"
     output = python(code, path=path, cwd=tmp_path, MSMRTA_MODELS=str(own))
     package = Path(output.splitlines()[-1]).parents[1]

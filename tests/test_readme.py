@@ -62,12 +62,26 @@ def test_every_command_of_the_readme_is_of_a_kind_that_is_run() -> None:
     assert MAKE == ["make demo", "make test"]
 
 
+TOUR = """
+import shlex, sys
+import msmrta_opt
+from msmrta_opt.cli import run
+for command in sys.argv[1:]:
+    print("$", command, flush=True)
+    if status := run(shlex.split(command)[1:]):
+        sys.exit(f"{command}: exit status {status}")
+print(msmrta_opt.__file__)
+"""
+"""All commands in one process, which imports once what they stand on."""
+
+
 def test_the_commands_of_the_tour_work_in_their_order(workplace: Path) -> None:
-    for command in MSMRTA:
-        # Through the interpreter, so that the copied checkout runs and not the installed package.
-        module = "from msmrta_opt.cli import main; main()"
-        python = f"{shlex.quote(sys.executable)} -c {shlex.quote(module)}"
-        run(command.replace("msmrta", f"PYTHONPATH=. {python}", 1), workplace)
+    arguments = shlex.join([sys.executable, "-c", TOUR, *MSMRTA])
+    output = run(f"PYTHONPATH=. {arguments}", workplace)
+    assert [line for line in output.splitlines() if line.startswith("$ ")] == [
+        f"$ {command}" for command in MSMRTA
+    ]
+    assert output.endswith(f"{workplace / 'msmrta_opt' / '__init__.py'}\n")  # the copied checkout
 
 
 def test_the_python_of_the_readme_works(workplace: Path) -> None:

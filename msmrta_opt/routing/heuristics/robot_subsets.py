@@ -107,7 +107,7 @@ def subset_of(
         priority_unit=data.priority_unit,
         ids={
             "r": [data.ids["r"][r] for r in robots],
-            "v": [data.ids["v"][v] for v in victims],
+            "v": [data.ids["v"][v] for v in victims.tolist()],
             "k": data.ids["k"],
         },
     )
