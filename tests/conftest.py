@@ -16,9 +16,11 @@ from msmrta_opt.mission.instance import Instance
 
 # How fast a machine is must not decide whether a test passes.
 settings.register_profile(
-    "default", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+    "whole", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
-settings.load_profile("default")
+settings.register_profile("quick", settings.get_profile("whole"), max_examples=25)
+QUICK = "not slow"
+"""The tests that are chosen by default, with a fourth of the random examples."""
 
 ROOT = Path(__file__).parents[1]
 COMPILED = (
@@ -31,7 +33,8 @@ LONG = ("test_readme.py", "test_notebooks.py", "test_packaging.py", "test_regist
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """In a fresh checkout, compile the inner loops once, and not in each process that comes first."""
+    """Choose how many examples; in a fresh checkout compile the inner loops once for all processes."""
+    settings.load_profile("quick" if config.option.markexpr == QUICK else "whole")
     if getattr(config.option, "numprocesses", None) and not any(
         (ROOT / "msmrta_opt").rglob("*.nbi")
     ):

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 
 from msmrta_opt.certify.plan import check_plan, problems
 from msmrta_opt.mission.errors import CheckError
@@ -481,13 +482,13 @@ def missions(draw: st.DrawFn) -> Instance:
     )
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(instance=missions(), seed=st.integers(0, 99))
 def test_any_legal_plan_holds(instance: Instance, seed: int, breadth_first: Distances) -> None:
     assert problems(thoughtless_plan(instance, breadth_first, seed)) == []
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(instance=missions(), seed=st.integers(0, 99), data=st.data())
 def test_a_legal_plan_with_one_mistake_does_not_hold(
     instance: Instance, seed: int, data: st.DataObject, breadth_first: Distances
@@ -538,7 +539,7 @@ def test_nobody_round_a_corner_can_be_excused_as_out_of_reach(name: str) -> None
         assert wrong.endswith("in truth: available")
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(instance=missions(), seed=st.integers(0, 99))
 def test_nothing_that_could_be_served_can_be_excused_as_out_of_reach(
     instance: Instance, seed: int, breadth_first: Distances

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.certify.scouting import in_sight
@@ -34,7 +35,7 @@ def grids(draw: st.DrawFn) -> GridMap:
     return GridMap(free)
 
 
-@settings(max_examples=80)
+@settings(max_examples=examples(80))
 @given(grid=grids(), depth=st.integers(0, 10) | st.just(10**9))
 def test_what_is_in_sight_is_what_the_scouts_see(grid: GridMap, depth: int) -> None:
     look = FieldOfView(grid, depth)
@@ -201,7 +202,7 @@ def test_victims_are_not_hidden_by_scouts_that_are_not_there(instances_dir: Any)
     ]
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(grid=grids(), seed=st.integers(0, 999), data=st.data())
 def test_what_scouts_report_holds_and_no_victim_can_be_hidden_or_invented(
     grid: GridMap, seed: int, data: st.DataObject

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array
+from support.amounts import examples
 from support.programs import INF, formulation, problem, program
 
 from msmrta_opt.diagnosis import conflict as module
@@ -150,7 +151,7 @@ def assert_explained(program: Program, found: Conflict, *, irreducible: bool = T
             assert less.has_a_point(program, whole=found.integrality), (found, less)
 
 
-@settings(max_examples=80)
+@settings(max_examples=examples(80))
 @given(trial=programs(integer=False))
 def test_of_linear_programs_the_set_conflicts_and_no_member_can_be_spared(trial: Program) -> None:
     feasible = everything(trial).has_a_point(trial, whole=False)
@@ -161,7 +162,7 @@ def test_of_linear_programs_the_set_conflicts_and_no_member_can_be_spared(trial:
         assert_explained(trial, found)
 
 
-@settings(max_examples=120)
+@settings(max_examples=examples(120))
 @given(trial=programs(integer=True))
 def test_of_integer_programs_the_set_conflicts_and_no_member_can_be_spared(trial: Program) -> None:
     feasible = everything(trial).has_a_point(trial, whole=True)

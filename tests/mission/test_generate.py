@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import KINDS, SERVICE_TIME, SPEEDS, generate_mission
@@ -72,7 +73,7 @@ def test_the_global_random_state_is_neither_read_nor_changed() -> None:
     assert np.random.random() == after  # noqa: NPY002
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(
     seed=SEEDS,
     n_robots=st.integers(1, 12),

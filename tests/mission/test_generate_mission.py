@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import (
@@ -68,7 +69,7 @@ def made_or_refused(*arguments: Any, **options: Any) -> Instance | InputError:
 ranges = st.tuples(st.integers(0, 6), st.integers(0, 6)).map(sorted).map(tuple)
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(
     seed=SEEDS,
     n_robots=st.integers(1, 8),
@@ -140,7 +141,7 @@ def test_a_mission_is_as_asked_for_or_refused(
     )
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(seed=SEEDS, layout=st.sampled_from(["rooms", "rubble", "maze", "map1", "map3"]))
 def test_on_any_map_every_requirement_has_a_capable_robot_that_reaches_the_victim(
     breadth_first: Distances, seed: int, layout: str

@@ -9,6 +9,7 @@ import networkx as nx
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from support.amounts import examples
 from support.maps import cells_of, free_cells, grids
 
 from msmrta_opt.arrays import Int32s
@@ -133,7 +134,7 @@ def test_walks_by_a_star_are_as_short_as_breadth_first(
     assert_walks_are_shortest(grid, breadth_first)
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(grid=grids(4))
 def test_walks_by_a_star_are_as_short_as_breadth_first_on_random_maps(
     grid: GridMap, breadth_first: Distances

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import find_objects, label
+from support.amounts import examples
 
 from msmrta_opt.mission import shipped as shipped_files
 from msmrta_opt.mission.errors import InputError
@@ -58,7 +59,7 @@ def without_doors(grid: GridMap) -> np.ndarray:
 # Rooms
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(
     seed=SEEDS,
     n_rows=st.integers(6, 40),
@@ -126,7 +127,7 @@ def test_one_room_needs_no_door() -> None:
 # Rubble
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(
     seed=SEEDS,
     n_rows=st.integers(1, 20),
@@ -157,7 +158,7 @@ def test_rubble_falls_on_every_cell_about_as_often() -> None:
 # Mazes
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(seed=SEEDS, n_rows=ODD, n_cols=ODD)
 def test_a_perfect_maze_is_a_tree_of_all_passages(
     breadth_first: Distances, seed: int, n_rows: int, n_cols: int
@@ -173,7 +174,7 @@ def test_a_perfect_maze_is_a_tree_of_all_passages(
     assert moves == grid.free.sum() - 1
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(seed=SEEDS, n_rows=ODD, n_cols=ODD, percent=st.integers(0, 100))
 def test_a_share_of_a_mazes_remaining_walls_is_opened(
     seed: int, n_rows: int, n_cols: int, percent: int
@@ -190,7 +191,7 @@ def test_a_share_of_a_mazes_remaining_walls_is_opened(
 # Regions and pockets
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(
     seed=SEEDS,
     kind=st.sampled_from(["rooms", "rubble", "maze", "open"]),

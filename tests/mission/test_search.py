@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.maps import cells_of, free_cells, grids
 
 from msmrta_opt.mission.grid import Cell, GridMap
@@ -40,7 +41,7 @@ def test_the_engines_are_two() -> None:
     assert type(one) is not type(other)
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 @given(grid=grids(6), data=st.data())
 def test_both_engines_find_the_same(grid: GridMap, data: st.DataObject) -> None:
     # Blocked cells, too.

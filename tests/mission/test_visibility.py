@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 
 from msmrta_opt.mission.grid import Cell, GridMap
 from msmrta_opt.mission.maps import grid_from_rows
@@ -129,7 +130,7 @@ def test_every_map_of_three_by_three_cells_agrees_with_following_each_line(depth
             assert look((row, col)).tolist() == oracle(grid, (row, col), depth)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=examples(60), deadline=None, derandomize=True)
 @given(maps(), st.integers(0, 8))
 def test_sight_agrees_with_following_each_line(grid: GridMap, depth: int) -> None:
     look = FieldOfView(grid, depth)
@@ -137,7 +138,7 @@ def test_sight_agrees_with_following_each_line(grid: GridMap, depth: int) -> Non
         assert look((row, col)).tolist() == oracle(grid, (row, col), depth)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=examples(60), deadline=None, derandomize=True)
 @given(maps(largest=9), st.integers(0, 9))
 def test_sight_is_symmetric_and_passes_only_where_walking_does(grid: GridMap, depth: int) -> None:
     look = FieldOfView(grid, depth)

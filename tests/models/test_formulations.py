@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.brute import ORACLES
 from support.joint_cases import on_a_line
 from support.oracles import assert_agrees
@@ -86,7 +87,7 @@ VICTIM_NAMES = [name for name in ORACLES if name.startswith("victim")]
 
 @pytest.mark.parametrize("name", CLUSTER_NAMES)
 @given(data=cluster_cases(), psi=shares)
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 def test_eq_1_is_worth_what_the_best_of_all_tables_is_worth(
     name: str, data: ClusterData, psi: float
 ) -> None:
@@ -96,7 +97,7 @@ def test_eq_1_is_worth_what_the_best_of_all_tables_is_worth(
 @pytest.mark.parametrize("name", VICTIM_NAMES)
 @given(data=victim_cases(), beta=shares)
 @example(data=NOBODY, beta=0.5)
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 def test_eq_2_costs_what_the_cheapest_of_all_tables_costs(
     name: str, data: VictimData, beta: float
 ) -> None:
@@ -104,7 +105,7 @@ def test_eq_2_costs_what_the_cheapest_of_all_tables_costs(
 
 
 @given(data=victim_cases(), beta=shares)
-@settings(max_examples=20)
+@settings(max_examples=examples(20))
 def test_eq_2_as_printed_assigns_nobody_at_no_cost(data: VictimData, beta: float) -> None:
     solution = solve("victim_printed", data, beta=beta)
     assert solution.objective == 0

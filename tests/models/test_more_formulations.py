@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
+from support.amounts import examples
 from support.exhaustive import ORACLES
 from support.oracles import assert_agrees
 from support.small_cases import (
@@ -25,13 +26,13 @@ from msmrta_opt.optimise.solve import solve
 
 
 @given(data=clustering_cases())
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_the_p_medians_are_the_best_of_all_choices_of_k_cells(data: ClusteringData) -> None:
     assert_agrees("clustering_pmedian", data)
 
 
 @given(data=cluster_cases(), psi=shares)
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 def test_the_fair_assignment_has_the_max_min_score(data: ClusterData, psi: float) -> None:
     assert_agrees("cluster_fair", data, psi=psi)
 
@@ -49,13 +50,13 @@ NOBODY = VictimData(
 @pytest.mark.parametrize("name", [name for name in ORACLES if name.startswith("victim")])
 @given(data=victim_cases(), beta=shares)
 @example(data=NOBODY, beta=0.5)
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_eq_2_is_worth_the_best_of_all_answers(name: str, data: VictimData, beta: float) -> None:
     assert_agrees(name, data, beta=beta)
 
 
 @given(data=joint_cases(), psi=shares, beta=shares, lam=shares)
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 def test_posts_and_victims_together_are_worth_the_best_of_all_answers(
     data: JointAssignmentData, psi: float, beta: float, lam: float
 ) -> None:

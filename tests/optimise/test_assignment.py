@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from support.amounts import examples
 from support.programs import (
     INF,
     assignment_programs,
@@ -107,7 +108,7 @@ def tables(draw: st.DrawFn) -> Table:
 
 
 @given(table=tables())
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 def test_a_matching_costs_what_the_cheapest_of_all_costs_and_its_prices_prove_it(
     table: Table,
 ) -> None:
@@ -174,7 +175,7 @@ def test_a_column_fixed_by_a_row_of_its_own_is_part_of_the_proof() -> None:
     base=st.one_of(assignment_programs(), assignment_programs(most_edits=1)),
     data=st.data(),
 )
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_the_answer_is_none_rather_than_a_wrong_one(base: Program, data: st.DataObject) -> None:
     if data.draw(st.booleans()):
         base = data.draw(edits(base))
@@ -190,7 +191,7 @@ def test_the_answer_is_none_rather_than_a_wrong_one(base: Program, data: st.Data
 
 
 @given(base=st.one_of(assignment_programs(most_edits=1), structured_programs()))
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 def test_the_solver_lsa_proves_its_answer_or_skips_the_program(base: Program) -> None:
     solution = solve_program(base, solver="lsa")
     if solution.status == "infeasible":

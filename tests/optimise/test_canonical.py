@@ -12,6 +12,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
+from support.amounts import examples
 from support.joint_cases import small_mission
 from support.small_cases import dense_case, shares
 
@@ -132,7 +133,7 @@ def new_rows(draw: st.DrawFn, x: cp.Variable) -> Any:
 
 
 @given(stated=edited())
-@settings(max_examples=80)
+@settings(max_examples=examples(80))
 def test_an_edited_formulation_has_the_same_numbers_by_both_roads(stated: cp.Problem) -> None:
     assume(stated.variables())
     short = read_off(stated)
@@ -141,7 +142,7 @@ def test_an_edited_formulation_has_the_same_numbers_by_both_roads(stated: cp.Pro
 
 
 @given(stated=edited(), share=shares)
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 def test_a_point_is_worth_and_asks_what_cvxpy_says(stated: cp.Problem, share: float) -> None:
     """By evaluation of the expressions: neither road's coefficients have a part in it."""
     assume(stated.variables())

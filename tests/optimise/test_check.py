@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.programs import INF, assignment_programs, best_value, program, structured_programs
 
 from msmrta_opt.optimise.check import TOLERANCE, dual_bound, settled, violations
@@ -114,7 +115,7 @@ duals = st.one_of(st.just(0.0), st.integers(-3, 3).map(float), st.floats(-1e3, 1
 
 
 @given(program=st.one_of(assignment_programs(most_edits=2), structured_programs()), data=st.data())
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_no_prices_prove_more_than_the_optimum(program: Program, data: st.DataObject) -> None:
     best = best_value(program)
     if best is None:
@@ -132,7 +133,7 @@ def test_no_prices_prove_more_than_the_optimum(program: Program, data: st.DataOb
 )
 @example(cost=-1e-10, price=0.0, far=1e12)
 @example(cost=0.0, price=-5e-10, far=1e12)
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_small_prices_and_costs_count_where_values_are_large(
     cost: float, price: float, far: float
 ) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.programs import assert_solved_right, formulation, problem
 
 from msmrta_opt.mission.errors import InputError, ModelError
@@ -331,7 +332,7 @@ def enumerated(
     centre=st.lists(st.integers(0, 2), min_size=3, max_size=3),
     limit=st.integers(0, 4),
 )
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 def test_maxima_and_absolute_values_are_solved_right(
     weights: list[int], centre: list[int], limit: int
 ) -> None:

@@ -17,6 +17,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
+from support.amounts import examples
 from support.programs import INF, problem, program
 
 from msmrta_opt.mission.errors import InputError, ModelError
@@ -89,7 +90,7 @@ def programs(draw: st.DrawFn) -> Program:
 
 
 @both_formats
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 @given(trial=programs())
 def test_what_is_written_is_read_again_to_the_last_digit(suffix: str, trial: Program) -> None:
     again = reread(trial, suffix)
@@ -188,7 +189,7 @@ words = st.one_of(
 
 
 @both_formats
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(
     columns=st.lists(words, min_size=3, max_size=3), rows=st.lists(words, min_size=3, max_size=3)
 )

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 
 from msmrta_opt.mission.errors import ModelError
 from msmrta_opt.optimise.compile import compile_for
@@ -79,13 +80,13 @@ def assert_envelope(found: Envelope, case: Case) -> None:
 
 
 @given(case=cases())
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 def test_the_pieces_are_those_of_all_assignments(case: Case) -> None:
     assert_envelope(envelope(case.family), case)
 
 
 @given(case=cases())
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_the_frontier_is_every_point_that_no_other_beats(case: Case) -> None:
     found = frontier(case.family, envelope(case.family))
     assert found.complete
@@ -105,7 +106,7 @@ def test_the_frontier_is_every_point_that_no_other_beats(case: Case) -> None:
 
 
 @given(case=cases(largest=2), numerator=st.integers(0, 6))
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 def test_every_tie_is_found(case: Case, numerator: int) -> None:
     t = Fraction(numerator, 6)
     found, all_of_them = optima(case.family, t, most=50)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.programs import (
     INF,
     assert_solved_right,
@@ -170,7 +171,7 @@ def test_sides_that_cross_by_rounding_alone_are_no_contradiction(
 
 
 @given(base=structured_programs(), data=st.data())
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 def test_fractions_anywhere_are_solved_right(base: Program, data: st.DataObject) -> None:
     fractions = st.sampled_from([0.0, 0.0, 0.5, 0.25])
     more = [data.draw(fractions) for _ in range(base.n_columns)]

@@ -19,6 +19,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from support.amounts import examples
 from support.programs import INF, assert_solved_right, best_value, program
 
 from msmrta_opt.mission.errors import InputError, SolverError
@@ -268,7 +269,7 @@ def small_programs(draw: st.DrawFn) -> Program:
 
 
 @given(small_programs())
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 def test_installed_solvers_agree_with_enumeration(asked: Program) -> None:
     best = best_value(asked)
     for name in (*FREE, *COMMERCIAL):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.programs import INF, program
 
 from msmrta_opt.diagnosis.conflict import find_conflict
@@ -159,7 +160,7 @@ def test_a_ray_proves_only_what_it_proves() -> None:
 
 
 @given(data=st.data())
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_scaling_changes_neither_points_nor_values(data: st.DataObject) -> None:
     powers = data.draw(st.lists(st.integers(-9, 9), min_size=6, max_size=6))
     matrix = 10.0 ** np.array(powers, float).reshape(2, 3)

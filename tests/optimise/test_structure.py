@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from support.amounts import examples
 from support.programs import (
     INF,
     assert_solved_right,
@@ -223,7 +224,7 @@ def test_the_oracle_for_total_unimodularity_knows_an_odd_cycle() -> None:
 
 
 @given(matrix=structured_matrices())
-@settings(max_examples=250)
+@settings(max_examples=examples(250))
 def test_a_recognised_matrix_is_totally_unimodular(matrix: NDArray[np.int64]) -> None:
     structure = recognise(program(matrix, 1, 0, upper=2))
     if structure is None:
@@ -233,7 +234,7 @@ def test_a_recognised_matrix_is_totally_unimodular(matrix: NDArray[np.int64]) ->
 
 
 @given(program=structured_programs())
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 def test_a_recognised_relaxation_has_an_integral_vertex_of_the_same_worth(
     program: Program,
 ) -> None:
@@ -248,7 +249,7 @@ def test_a_recognised_relaxation_has_an_integral_vertex_of_the_same_worth(
 
 
 @given(program=structured_programs())
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 def test_all_ways_of_solving_agree_with_enumeration(program: Program) -> None:
     best = best_value(program)
     assert_solved_right(solve_program(program), best)
@@ -256,7 +257,7 @@ def test_all_ways_of_solving_agree_with_enumeration(program: Program) -> None:
 
 
 @given(base=st.one_of(assignment_programs(), structured_programs()), data=st.data())
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_no_edit_makes_the_ways_of_solving_disagree(base: Program, data: st.DataObject) -> None:
     for _ in range(data.draw(st.integers(1, 3))):
         base = data.draw(edits(base))

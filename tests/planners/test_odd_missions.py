@@ -18,7 +18,7 @@ from msmrta_opt.mission.errors import InputError, NoPlanError
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import planners
 
-QUICK, LARGE = 40, 2_000
+QUICK, LARGE = 20, 2_000
 EACH = 20
 """Missions of one test."""
 ROUNDING = Fraction(1, 10**6)

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
+from support.amounts import sample
 
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.generate import generate_mission
@@ -45,10 +46,6 @@ COMBINATIONS: list[dict[str, Any]] = [
 ]
 MISSIONS_EACH = 6
 NUMBERS = range(MISSIONS_EACH * len(COMBINATIONS))
-SOME = [
-    number if number < len(COMBINATIONS) else pytest.param(number, marks=pytest.mark.slow)
-    for number in NUMBERS
-]
 
 
 def combination(number: int) -> dict[str, Any]:
@@ -137,7 +134,7 @@ def planned(number: int) -> Plan:
     )
 
 
-@pytest.mark.parametrize("number", SOME)
+@pytest.mark.parametrize("number", sample(NUMBERS, len(COMBINATIONS)))
 def test_every_plan_passes_its_check_and_serves_all_that_is_available(number: int) -> None:
     made = planned(number)
     assert problems(made) == []
@@ -149,7 +146,7 @@ def test_every_plan_passes_its_check_and_serves_all_that_is_available(number: in
     assert all(c.status == "optimal" and c.gap == 0 for c in made.certificates)
 
 
-@pytest.mark.parametrize("number", NUMBERS[::37])
+@pytest.mark.parametrize("number", sample(NUMBERS[::37], 10))
 def test_the_same_mission_options_and_seed_give_the_same_plan(number: int) -> None:
     assert planned(number).same_as(planned(number))
 

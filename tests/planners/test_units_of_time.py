@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 
 import msmrta_opt as mo
 from msmrta_opt.certify.certificates import recheck
@@ -63,7 +64,7 @@ def decisions(made: Plan) -> list[list[tuple[int, tuple[str, ...]]]]:
     return [[(visit.victim, visit.served) for visit in route.visits] for route in made.routes]
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(
     seed=st.integers(0, 5),
     objective=st.sampled_from(sorted(OBJECTIVES)),

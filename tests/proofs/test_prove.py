@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.programs import INF, best_value, program
 
 from msmrta_opt.certify import vipr
@@ -56,7 +57,7 @@ def integer_programs(draw: st.DrawFn) -> Program:
     )  # fmt: skip
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(integer_programs())
 def test_the_optimum_of_brute_force_is_proved(tmp_path_factory: Any, given: Program) -> None:
     path = tmp_path_factory.getbasetemp()
@@ -71,7 +72,7 @@ def test_the_optimum_of_brute_force_is_proved(tmp_path_factory: Any, given: Prog
         assert proof.bound == pytest.approx(best)
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(integer_programs(), st.floats(0.2, 5.0))
 def test_a_better_value_than_the_optimum_is_never_proved(
     tmp_path_factory: Any, given: Program, better: float
@@ -85,7 +86,7 @@ def test_a_better_value_than_the_optimum_is_never_proved(
         assert proof.value == pytest.approx(best)
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(integer_programs())
 def test_a_claim_that_there_is_no_solution_is_refuted_by_one(
     tmp_path_factory: Any, given: Program
@@ -96,7 +97,7 @@ def test_a_claim_that_there_is_no_solution_is_refuted_by_one(
     assert proof.status == ("infeasible" if best is None else "proved")
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(integer_programs())
 def test_a_solution_that_is_not_the_best_is_refuted_by_a_better_one(
     tmp_path_factory: Any, given: Program

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.joint_cases import any_routes, on_a_line, small_mission
 from support.searches import closed_in
 
@@ -40,7 +41,7 @@ def test_searches_end_alike_where_times_are_rounded_by_their_unit(
 
 
 @given(power=st.integers(-9, 9), seed=st.integers(0, 20))
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 def test_the_step_of_an_objective_does_not_depend_on_the_unit(power: int, seed: int) -> None:
     data = small_mission(seed, 3, 5)
     other = times_as_long(data, 10.0**power)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.grid import Cell
@@ -258,7 +259,7 @@ def auction(seed: int) -> tuple[Instance, list[Stop]]:
     return instance, stops
 
 
-@settings(max_examples=500)
+@settings(max_examples=examples(500))
 @given(seed=st.integers(0, 2**32 - 1), award=st.sampled_from([SEALED, SEQUENTIAL]))
 def test_awards_are_those_that_plain_loops_make(seed: int, award: str) -> None:
     instance, before = auction(seed)

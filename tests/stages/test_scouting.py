@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples, sample
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.grid import Cell, GridMap
@@ -131,7 +132,7 @@ def test_a_scout_without_a_free_neighbour_stays(walk: str) -> None:
 PLUS = mission(["@.@", "...", "@.@"], [scout((0, 1), 0, id=0), scout((1, 0), 0, id=1)])
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", sample(range(12), 4))
 def test_scouts_that_share_a_table_part_ways(seed: int) -> None:
     report = scouting(PLUS, shared_table=True, seed=seed)
     assert report.coverage == (2 / 5, 3 / 5, 1.0)
@@ -289,7 +290,7 @@ searches = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=examples(150), deadline=None, derandomize=True)
 @given(missions(), searches)
 def test_every_report_holds_when_the_search_is_watched_again(
     instance: Instance, options: dict[str, Any]
@@ -344,7 +345,7 @@ def test_every_report_holds_when_the_search_is_watched_again(
     assert verdicts == [None] * (len(verdicts) - 1) + [report.ended]
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=examples(30), deadline=None, derandomize=True)
 @given(missions(), searches)
 def test_the_same_seed_gives_the_same_report(instance: Instance, options: dict[str, Any]) -> None:
     first = scouting(instance, **options)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.random import Generator
 from scipy.sparse.csgraph import connected_components
+from support.amounts import sample
 
 from msmrta_opt.routing.branch_and_cut.min_cut import capacities, components, merged, sides
 
@@ -49,7 +50,7 @@ def _least_cut(weight: np.ndarray, source: int, sink: int) -> float:
     )
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", sample(range(60), 12))
 def test_both_sides_are_minimum_cuts_the_smallest_from_either_end(seed: int) -> None:
     rng = np.random.default_rng(seed)
     weight = _graph(rng)
@@ -63,7 +64,7 @@ def test_both_sides_are_minimum_cuts_the_smallest_from_either_end(seed: int) -> 
         assert _leaving(weight, tuple(np.flatnonzero(side))) == pytest.approx(least)
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", sample(range(60), 12))
 def test_merging_keeps_the_least_cut_around_each_vertex_and_between_the_ends(seed: int) -> None:
     weight, visit = _tours(np.random.default_rng(seed))
     small, most, group = merged(weight, visit)
@@ -105,7 +106,7 @@ def test_a_path_is_merged_into_one_group() -> None:
     assert small.tolist() == [[0, 1, 1], [1, 0, 0], [1, 0, 0]]
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", sample(range(30), 10))
 def test_components_are_those_of_scipy(seed: int) -> None:
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 12))
