@@ -29,7 +29,7 @@ def compare_plans(
     seed: Seed = None,
     figure: Figure = None,
 ) -> None:
-    """Compare planners on instances, each beside a proven bound, and price the staged method."""
+    """Compare planners on instances, each beside a proven bound, and what the staged method loses."""
     from ..interruption import interrupted, interruptible
     from ..mission.errors import InputError
     from ..planners import plan as make_plan
@@ -41,7 +41,7 @@ def compare_plans(
     if not seconds >= 0:
         raise InputError(f"{seconds!r}; give 0 or more", field="--seconds")
     check_outputs(figure=figure, inputs=instances)
-    chosen, compared, priced = seed or 0, {}, {}
+    chosen, compared, losses_of = seed or 0, {}, {}
     with interruptible():
         for mission in read_instances(instances):
             compared[mission.name] = candidates(mission, objective, seconds=seconds, seed=chosen)
@@ -49,18 +49,18 @@ def compare_plans(
                 break
             staged = make_plan(mission, seed=chosen)
             losses = price_of_staging(staged, objective, seconds=seconds / 4, seed=chosen)
-            priced[mission.name] = losses
+            losses_of[mission.name] = losses
             if interrupted():
                 break
         # Files first: whatever becomes of the screen, what was found is kept.
-        if figure is not None and any(priced.values()):
+        if figure is not None and any(losses_of.values()):
             from ..plots import save_figure
             from ..studies.analysis.staging_picture import staging_losses
 
-            save_figure(staging_losses(priced, objective), figure)
+            save_figure(staging_losses(losses_of, objective), figure)
             typer.echo(f"picture written to {figure}")
         for name, plans in compared.items():
-            _show(name, objective, plans, priced.get(name, []))
+            _show(name, objective, plans, losses_of.get(name, []))
         if interrupted():
             raise KeyboardInterrupt
 

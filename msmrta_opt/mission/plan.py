@@ -1,4 +1,4 @@
-"""What a planner answers: who walks where, serves what and when, and what stays unserved and why.
+"""What a planner returns: who walks where, serves what and when, and what stays unserved and why.
 
 A `Plan` is a frozen record that carries the instance it is for and the options it was made with, so
 that its JSON file (``"format": "msmrta-plan/1"``) is enough to check it, draw it and make it again.
@@ -90,7 +90,7 @@ class ScoutingReport(PlanRecord):
 
 
 class Certificate(PlanRecord):
-    """What is proven about the answer to one integer program.
+    """What is proven about the solution of one integer program.
 
     ``bound`` and ``objective`` are in the model's own sense, ``gap`` is relative; ``proof`` says
     how the bound was obtained, ``check`` is the verdict of the independent check. ``root`` holds
@@ -115,7 +115,7 @@ class Certificate(PlanRecord):
 
 
 class Plan(PlanRecord):
-    """The answer of a planner to an instance."""
+    """What a planner makes of an instance."""
 
     format: Literal["msmrta-plan/1"] = FORMAT
     instance: Instance
@@ -171,7 +171,7 @@ class Plan(PlanRecord):
         return {name: self.options[name] for name in promises if self.options.get(name) is not None}
 
     def is_for(self, mission: Instance) -> bool:
-        """Whether `mission` is what this plan answers, whatever it is called."""
+        """Whether `mission` is what this plan is for, whatever it is called."""
         parts = ("map", "capabilities", "service_time", "robots", "victims", "scouts")
         return all(getattr(self.instance, part) == getattr(mission, part) for part in parts)
 

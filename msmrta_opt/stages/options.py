@@ -88,12 +88,12 @@ class StagedOptions:
                 )
 
     def _check(
-        self, name: str, kind: type, plain: type, least: float, most: float, right: str
+        self, name: str, kind: type, plain: type, minimum: float, maximum: float, right: str
     ) -> None:
         """Refuse what is not a number in its range; numpy's numbers become Python's."""
         value = getattr(self, name)
         is_number = isinstance(value, kind) and not isinstance(value, (bool, np.bool_))
-        if not (is_number and least <= value <= most):
+        if not (is_number and minimum <= value <= maximum):
             raise InputError(f"{value!r}; give {right}", field=name)
         object.__setattr__(self, name, plain(value))
 

@@ -62,8 +62,8 @@ def ant_colony(ground: Ground) -> Walk:
 
     def move(scout: int, here: Cell) -> Cell:
         visits, options = tables[scout], ground.neighbours(here)
-        least = min(visits[cell] for cell in options)
-        there = ground.any_of([cell for cell in options if visits[cell] == least])
+        fewest = min(visits[cell] for cell in options)
+        there = ground.any_of([cell for cell in options if visits[cell] == fewest])
         visits[there] += 1
         return there
 

@@ -38,7 +38,7 @@ class Options:
     seed : int, optional
         Of the solver's random choices.
     threads : int, optional
-        The default is one, so that answers can be repeated.
+        The default is one, so that results can be repeated.
     start : float array, shape (n_columns,), optional
         A MIP start; NaN where it says nothing.
     verbose : bool

@@ -13,10 +13,10 @@ def run(program: Program, options: Options) -> Outcome:
     """Solve a recognised assignment; anything else is refused."""
     del options  # it declares no ability that an option could ask for
     structure = recognise(program)
-    answer = None if structure is None else solve_assignment(program, structure)
-    if structure is None or answer is None:
+    found = None if structure is None else solve_assignment(program, structure)
+    if structure is None or found is None:
         return Outcome("skipped", message="not recognised as a linear assignment with a solution")
-    x, duals = answer
+    x, duals = found
     bound = dual_bound(integral_relaxation(program, structure), duals)
     proof = f"{structure.description}; assignment algorithm, dual values"
     return Outcome("optimal", x, bound, duals=duals, proof=proof)

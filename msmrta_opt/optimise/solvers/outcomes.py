@@ -1,7 +1,7 @@
 """What adapters of solvers share when they report.
 
 All give their solver a minimisation of ``sign * cost`` without offset, since bounds of maximisations
-have another sign from one interface to the next, and answer in the program's own sense.
+have another sign from one interface to the next, and speak in the program's own sense.
 """
 
 from __future__ import annotations
@@ -87,11 +87,11 @@ def unbounded_or_infeasible(
         `time.perf_counter` when the first attempt began: both share the time limit.
     """
     costless = replace(program, cost=np.zeros(program.n_columns))
-    answer = run(costless, replace(time_left(options, began), start=None))
-    if answer.status in ("optimal", "feasible"):
-        return Outcome("unbounded", answer.x, nodes=answer.nodes, message="unbounded")
-    if answer.status == "infeasible":
-        return answer
+    outcome = run(costless, replace(time_left(options, began), start=None))
+    if outcome.status in ("optimal", "feasible"):
+        return Outcome("unbounded", outcome.x, nodes=outcome.nodes, message="unbounded")
+    if outcome.status == "infeasible":
+        return outcome
     return Outcome(
         "no_solution", message="unbounded or infeasible, and stopped before it was known"
     )
