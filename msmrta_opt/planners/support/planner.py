@@ -26,7 +26,7 @@ RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numba", "numpy", "scikit-l
 CLUSTERING = ("sklearn.cluster", "threadpoolctl", "msmrta_opt.stages.random_swap")
 SOLVING = (
     *("cvxpy", "cvxpy.cvxcore.python.cppbackend", "highspy", "scipy.optimize"),
-    "msmrta_opt.optimise.compile.coefficients",
+    *(f"msmrta_opt.optimise.compile.{name}" for name in ("coefficients", "fingerprint")),
 )
 IMPROVING = ("msmrta_opt.routing.heuristics.compiled_search",)
 """What planners import on first use: to cluster, to solve programs, to improve routes."""
