@@ -87,8 +87,8 @@ class PathProgram:
         self.highs.addRows(
             len(lower), np.array(lower), np.array(upper), 0, starts, none, np.empty(0)
         )
-        cost, upper = (0.0, 0.0) if artificial_cost is None else (artificial_cost, math.inf)
-        columns = [_Column(cost, {g: 1.0}, upper) for g in range(len(tasks))]
+        cost, limit = (0.0, 0.0) if artificial_cost is None else (artificial_cost, math.inf)
+        columns = [_Column(cost, {g: 1.0}, limit) for g in range(len(tasks))]
         columns += [column for v in split for column in self._completion(v)]
         self._enter(columns)
         self.first_path = len(columns)
