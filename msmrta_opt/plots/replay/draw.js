@@ -1,4 +1,5 @@
-/* The map with all that moves on it, and the strokes of all drawings. Nothing here keeps state: a `panel` has a plan and its canvases, a `scene` says what to show of it and when. */
+/* The map with all that moves on it, and the strokes of all drawings. Nothing here keeps state: a `panel`
+   has a plan and its canvases, a `scene` says what to show of it and when. */
 
 const MARGIN = 12, TURN = 2 * Math.PI;
 
@@ -34,7 +35,7 @@ function mapScale(panel) {
   const mark = Math.min(Math.max(0.4 * zoomed, 2.6), 15);
   return {
     width, height, cell: zoomed, mark, left, top, casing: mark < 5 ? 0.6 : 1.6,
-    named: zoomed >= (panel.plan.victims.length > 40 ? 24 : 15),
+    named: zoomed >= 15 && (panel.plan.victims.length <= 40 || panel.view.zoom > 1),
     line: Math.min(Math.max(0.13 * zoomed, 1.2), 4),
     x: (col) => left + (col + 0.5) * zoomed,
     y: (row) => top + (row + 0.5) * zoomed,

@@ -75,7 +75,9 @@ function fillTables(panel) {
     write(line.cells[2], `${now.visits}/${robot.visits.length}`);
     line.querySelector("button").setAttribute("aria-pressed", String(state.robot === robot.id));
   });
-  plan.victims.forEach((victim, i) => {
+  // While playing, a table of a thousand rows that is not open can wait.
+  const isAwaited = !state.playing || panel.section.querySelector(".victims").open;
+  if (isAwaited) plan.victims.forEach((victim, i) => {
     const needs = needsAt(victim, state.t), line = panel.victimRows[i];
     const of = (kind) => JSON.stringify(needs.filter((n) => n.state === kind).map((n) => plan.kinds[n.kind]));
     set(line, { served: of("served"), serving: of("serving"), unserved: of("unserved") });
