@@ -92,6 +92,7 @@ if TYPE_CHECKING:
     from .studies.analysis.staging_picture import staging_losses as staging_losses
     from .studies.analysis.tradeoff import tradeoff as tradeoff
     from .studies.analysis.tradeoff import tradeoff_regions as tradeoff_regions
+    from .studies.baselines import against_baseline as against_baseline
     from .studies.comparison import comparison as compare  # noqa: F401
     from .studies.solver_comparison import compare_solvers as compare_solvers
     from .studies.study import study as study

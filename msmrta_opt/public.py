@@ -71,6 +71,7 @@ HOME = MappingProxyType(
         "compare": "studies.comparison:comparison",
         "study": "studies.study",
         "compare_solvers": "studies.solver_comparison",
+        "against_baseline": "studies.baselines",
         "disagreements": "studies.analysis.agreement",
         "performance_profile": "studies.analysis.profile",
         "score": "studies.analysis.score",

@@ -85,8 +85,13 @@ def test_the_commands_of_the_tour_work_in_their_order(workplace: Path) -> None:
 
 
 def test_the_python_of_the_readme_works(workplace: Path) -> None:
-    (code,) = blocks("python")
-    assert "1.0 " in run(f"{shlex.quote(sys.executable)} -c {shlex.quote(code)}", workplace)
+    first, tour = blocks("python")
+    assert len([line for line in first.splitlines() if line.strip()]) == 5
+    assert "1.0 " in run(f"{shlex.quote(sys.executable)} -c {shlex.quote(first)}", workplace)
+    assert (workplace / "plan.png").is_file()
+    shown = run(f"{shlex.quote(sys.executable)} -c {shlex.quote(tour)}", workplace)
+    assert "PlanDifference(msmrta → ssi: " in shown
+    assert "Comparison(1 solve: 1 optimal)" in shown
 
 
 def recipe(target: str) -> str:

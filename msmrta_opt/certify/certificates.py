@@ -81,6 +81,32 @@ def recheck(plan: Plan) -> tuple[Recheck, ...]:
     return tuple(_recheck(plan, joint, certificate) for certificate in found)
 
 
+def claim_problems(plan: Plan) -> list[str]:
+    """Where certificates claim what is not so, without proving any bound again, one line each.
+
+    Every objective of the joint problem that is claimed is worked out again from the routes; status,
+    bound and gap are held against it. Certificates of single programs are held against themselves.
+
+    Parameters
+    ----------
+    plan : Plan
+        One that passes its own check (`plan.problems`).
+    """
+    wrong = stage_problems(plan)
+    for certificate in plan.certificates:
+        if certificate.stage != STAGE:
+            continue
+        if certificate.model not in OBJECTIVES:
+            wrong.append(_unknown(certificate))
+            continue
+        wrong += _contradictions(certificate, worth(plan, certificate.model))
+    return wrong
+
+
+def _unknown(certificate: Certificate) -> str:
+    return f"the certificate is on {certificate.model!r}; there are {', '.join(OBJECTIVES)}"
+
+
 def stage_problems(plan: Plan) -> list[str]:
     """Where certificates of single programs do not agree with themselves, one line each."""
     return [
@@ -94,8 +120,7 @@ def stage_problems(plan: Plan) -> list[str]:
 def _recheck(plan: Plan, joint: Joint, certificate: Certificate) -> Recheck:
     objective = certificate.model
     if objective not in OBJECTIVES:
-        wrong = f"the certificate is on {objective!r}; there are {', '.join(OBJECTIVES)}"
-        return Recheck(certificate, Fraction(0), None, problems=(wrong,))
+        return Recheck(certificate, Fraction(0), None, problems=(_unknown(certificate),))
     value = worth(plan, objective)
     problems = _contradictions(certificate, value)
     proved = joint.each_alone(objective)

@@ -5,7 +5,8 @@ Exit statuses, of every command:
 - 0: done, also where a reader of the output left early, or where Ctrl-C or a limit ended a search with
   the best that it had found.
 - 1: a plan, a solution or a comparison that fails its check, or that there is none of.
-- 2: bad input, or output that cannot be written; one line on standard error says which.
+- 2: bad input, or output that cannot be written; a line on standard error says which, or one for each
+  mistake of a file.
 - 130, 143: Ctrl-C or SIGTERM came before what was asked for was whole; what there was is written and
   shown. A second one ends the process at once.
 
@@ -15,11 +16,13 @@ Each group of commands is a file; what a command needs is imported when it runs.
 from __future__ import annotations
 
 import sys
+from typing import Annotated
 
 import typer
 
 from .. import interruption
-from ..mission.errors import CheckError, MsmrtaError
+from .._version import __version__
+from ..mission.errors import CheckError, MistakesError, MsmrtaError
 from . import (
     compare,
     diagnosis,
@@ -38,12 +41,13 @@ from . import (
     tradeoff,
     watch,
 )
+from .console import json_asked
 from .screen import open_closed_descriptors, screens
 
 app = typer.Typer(
     name="msmrta",
     help="An operations researcher's workbench for multi-robot task assignment in search and rescue.",
-    add_completion=False,
+    add_completion=True,
     context_settings={"max_content_width": 120},
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help starts in half the time
@@ -55,6 +59,24 @@ for group in (
     group.register(app)
 
 
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"msmrta_opt {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Show the version, and exit.", callback=_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    """An operations researcher's workbench for multi-robot task assignment in search and rescue."""
+
+
 def main() -> None:
     """Run the command line and exit."""
     open_closed_descriptors()
@@ -64,6 +86,7 @@ def main() -> None:
 def run(arguments: list[str]) -> int:
     """Run one command; returns its exit status."""
     with interruption.command(), screens() as (out, _):
+        json_asked(None)
         status = _run(arguments)
         out.flush()
         if out.failure is not None:
@@ -77,6 +100,8 @@ def _run(arguments: list[str]) -> int:
         return 2
     try:
         status = app(arguments, prog_name="msmrta", standalone_mode=False)
+    except MistakesError as errors:
+        return max(_complain(error, 2) for error in errors.each)
     except MsmrtaError as error:
         return _complain(error, 1 if isinstance(error, CheckError) else 2)
     except typer.TyperException as error:

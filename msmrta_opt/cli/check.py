@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .console import Json
 from .models import Options, Parameters
 from .proofs import SUFFIX, check_proofs
 
@@ -31,6 +32,7 @@ class _Verdict:
     said: list[str] = field(default_factory=list)
     only_claimed: list[str] = field(default_factory=list)
     """Bounds that were not proved again."""
+    warnings: list[str] = field(default_factory=list)
 
 
 def check(
@@ -67,17 +69,24 @@ def check(
     ] = None,
     parameters: Parameters = None,
     options: Options = None,
+    json: Json = None,
 ) -> None:
     """Check instances and plans; plans by a checker that shares no code with the planners.
 
-    A plan beside an instance must be for it. The exit status is 0 if all holds and, with --bound, all
+    A plan beside an instance must be for it, and every objective that a certificate claims is worked out
+    again; all that is wrong is told. Of an instance, requirements that no robot can serve are a warning.
+    The exit status is 0 if all holds and, with --bound, all
     bounds are proved again; 1 if anything is wrong; 2 for bad input; 3 if all holds, but a bound is
     only claimed.
     """
     from ..mission.errors import InputError
     from ..mission.instance import Instance
+    from .console import write_json
+    from .outputs import check_outputs
 
     if any(file.suffix == SUFFIX for file in files):
+        if json is not None:
+            raise InputError("is for instances and plans, not for proofs", field="--json")
         check_proofs(files, options, parameters)
         return
     for name, value in {"--strict": strict, "--time-limit": time_limit, "--solver": solver}.items():
@@ -89,17 +98,18 @@ def check(
         from ..routing.second_solver import other_solver
 
         other_solver(solver)
+    check_outputs(json, inputs=files)
     documents = [_read(file) for file in files]
     missions = [item for item in documents if isinstance(item, Instance)]
     wrong = only_claimed = False
+    records = []
     for file, item in zip(files, documents, strict=True):
         if isinstance(item, Instance):
-            typer.echo(
-                f"{file}: a valid instance ({item.n_robots} robots, "
-                f"{item.n_victims} victims, {len(item.scouts)} scouts)"
-            )
+            verdict = _instance(item)
+            _tell(file, verdict)
+            records.append(_record(file, "instance", verdict))
             continue
-        verdict = _plan(item, missions)
+        verdict = _plan(item, missions, claims=not bound)
         if bound and not verdict.wrong:
             try:
                 _bounds(item, verdict, solver, time_limit)
@@ -107,12 +117,11 @@ def check(
                 raise error.within(file) from None
         if strict:
             verdict.wrong += verdict.only_claimed
-        for line in verdict.said:
-            typer.echo(f"{file}: {line}")
-        for line in verdict.wrong:
-            typer.echo(f"{file}: {line}", err=True)
+        _tell(file, verdict)
+        records.append(_record(file, "plan", verdict))
         wrong |= bool(verdict.wrong)
         only_claimed |= bool(verdict.only_claimed)
+    write_json(json, records)
     if wrong or only_claimed:
         raise typer.Exit(WRONG if wrong else ONLY_CLAIMED)
 
@@ -127,12 +136,42 @@ def _read(file: Path) -> Instance | Plan:
     return (Plan if document_format(path).startswith("msmrta-plan") else Instance).read(path)
 
 
-def _plan(plan: Plan, missions: list[Instance]) -> _Verdict:
-    """Whether the plan holds, and for one of `missions`, if there are any."""
+def _tell(file: Path, verdict: _Verdict) -> None:
+    from .console import say
+
+    for line in verdict.said:
+        say(f"{file}: {line}")
+    for line in verdict.warnings:
+        say(f"{file}: warning: {line}")
+    for line in verdict.wrong:
+        typer.echo(f"{file}: {line}", err=True)
+
+
+def _record(file: Path, kind: str, verdict: _Verdict) -> dict[str, Any]:
+    """What a file comes to, in JSON."""
+    return {"file": str(file), "kind": kind, "holds": not verdict.wrong, **asdict(verdict)}
+
+
+def _instance(mission: Instance) -> _Verdict:
+    """An instance that could be read, with what nobody can serve."""
+    from ..certify.availability import unavailable
+
+    counts = f"{mission.n_robots} robots, {mission.n_victims} victims, {len(mission.scouts)} scouts"
+    return _Verdict(said=[f"a valid instance ({counts})"], warnings=unavailable(mission))
+
+
+def _plan(plan: Plan, missions: list[Instance], *, claims: bool) -> _Verdict:
+    """Whether the plan holds, with what it claims, and for one of `missions`, if there are any."""
+    from ..certify.certificates import claim_problems
+    from ..certify.cluster_weights import doubts
     from ..certify.plan import problems
     from ..certify.same_mission import differences
 
     verdict = _Verdict(problems(plan))
+    if not verdict.wrong:
+        verdict.warnings += doubts(plan)
+    if claims and not verdict.wrong:
+        verdict.wrong += claim_problems(plan)
     if missions:
         closest = min((differences(plan, mission) for mission in missions), key=len)
         verdict.wrong += [f"the plan is for another mission: {line}" for line in closest]

@@ -67,6 +67,16 @@ def compare(
     slower: Annotated[
         float | None, typer.Option(help="With --against: times beyond this ratio are a change.")
     ] = None,
+    update: Annotated[
+        bool,
+        typer.Option("--update", help="With --against: show the changes, then write them to it."),
+    ] = False,
+    junit: Annotated[
+        Path | None, typer.Option(help="Write the solves here as JUnit's XML, a test case each.")
+    ] = None,
+    markdown: Annotated[
+        Path | None, typer.Option(help="Write what is wrong, what changed and all solves here.")
+    ] = None,
 ) -> None:
     """Compare formulations and solvers on instances, each solve in a process of its own."""
     from tqdm import tqdm
@@ -74,16 +84,18 @@ def compare(
     from ..stages.options import StagedOptions
     from ..studies import comparison as study
     from ..studies.analysis.agreement import disagreements
-    from ..studies.analysis.regression import changes, read_baseline
+    from ..studies.analysis.regression import read_baseline, regression
     from ..studies.missions import read_instances
     from ..studies.proving import verdicts
-    from .console import console, say
+    from . import regression as baselines
+    from .console import console
     from .outputs import check_outputs, check_parquet
     from .proofs import held_against, show_verdicts
 
-    check_outputs(csv, parquet, json, save, figure=figure, inputs=[*instances, against])
+    outputs = (csv, parquet, json, save, junit, markdown)
+    check_outputs(*outputs, figure=figure, inputs=[*instances, against])
     check_parquet(parquet)
-    _check_slower(against, slower)
+    baselines.check_options(against, save, slower, update=update)
     baseline = None if against is None else read_baseline(against)
     names = _names(models, stage)
     options = StagedOptions.of(psi=psi, beta=beta)
@@ -120,22 +132,24 @@ def compare(
     rows = held_against(proofs, study.in_order(todo, rows))
     # Files first: whatever becomes of the screen, what was found is kept. A part is no baseline.
     _write(rows, csv, parquet, json, figure, save if is_whole else None)
+    wrong = disagreements(rows)
+    found = None if baseline is None else regression(baseline, rows, slower=slower)
+    if is_whole:
+        baselines.write_reports(rows, found, wrong, junit, markdown)
     _show(rows, measured)
     show_verdicts(proofs)
     if not is_whole:
         console().print(f"interrupted: {len(rows)} of {len(todo)} solves are shown", style="yellow")
         raise KeyboardInterrupt
-    wrong = disagreements(rows)
     for line in wrong:
         console().print(f"disagreement: {line}", style="bold red", markup=False)
-    if baseline is not None:
-        different = changes(baseline, rows, slower=slower)
-        for line in different:
-            console().print(f"changed: {line}", style="red", markup=False)
-        if not different:
-            say(f"nothing has changed against {against}")
-        wrong += different
-    if not _all_solved(rows, agree=not wrong) or wrong:
+    changed = found is not None and bool(found.changes)
+    if found is not None and against is not None:
+        baselines.show(found, against)
+    is_sound = _all_solved(rows, agree=not wrong and not changed) and not wrong
+    if update and found is not None and against is not None:
+        changed = not (is_sound and baselines.update_baseline(found, against)) and changed
+    if not is_sound or changed:
         raise typer.Exit(1)
 
 
@@ -153,16 +167,6 @@ def _all_solved(rows: Sequence[Record], *, agree: bool) -> bool:
     if is_sound and agree:
         console().print("all solutions agree", style="green")
     return is_sound
-
-
-def _check_slower(against: Path | None, slower: float | None) -> None:
-    """Refuse, before any work, what could only be ignored."""
-    from ..mission.errors import InputError
-
-    if slower is not None and (against is None or not slower > 0):
-        raise InputError(
-            f"{slower:g}; give a ratio above 0, together with --against", field="--slower"
-        )
 
 
 def _split(entries: list[str] | None) -> list[str]:
@@ -283,17 +287,14 @@ def _write(
     figure: Path | None,
     save: Path | None,
 ) -> None:
-    import json as json_module
-
-    from ..mission.files import write_text
     from ..studies.analysis.regression import save_baseline
     from ..studies.solves import documents_of, table_of
+    from .console import write_json
     from .outputs import write_table
 
     if csv is not None or parquet is not None:
         write_table(table_of(rows), csv, parquet)
-    if json is not None:
-        write_text(json, json_module.dumps(documents_of(rows), indent=1) + "\n")
+    write_json(json, documents_of(rows))
     if figure is not None:
         from ..plots import save_figure
         from ..studies.analysis.profile import performance_profile

@@ -1,14 +1,27 @@
-"""How the command line shows things: one console, plain tables, short numbers."""
+"""How the command line shows things: one console, plain tables, short numbers, and JSON.
+
+Every command that prints a table takes ``--json FILE``, and writes there what it is made of, as one
+document: a list of records, one a row, or an object where there is more than one list. ``-`` is standard
+output, which then holds nothing else. Ids are numbers, what is not known is null.
+"""
 
 from __future__ import annotations
 
+import json
+import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextvars import ContextVar
 from functools import cache
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+STANDARD_OUTPUT = Path("-")
 
 WIDTH_OF_FILES = 10_000
 """Columns where the output is not a terminal: as many as any table takes."""
@@ -18,13 +31,64 @@ BETWEEN = 3
 """Columns between two of a table's."""
 
 
-@cache
+_only_json: ContextVar[bool] = ContextVar("only_json", default=False)
+"""Whether standard output is to hold JSON alone."""
+
+
 def console() -> Console:
     """The console that all commands print to; where it is no terminal, lines are never broken."""
+    return _console(_only_json.get())
+
+
+@cache
+def _console(quiet: bool) -> Console:
     from rich.console import Console
 
     width = None if sys.stdout is not None and sys.stdout.isatty() else WIDTH_OF_FILES
-    return Console(width=width, highlight=False)
+    return Console(width=width, highlight=False, quiet=quiet)
+
+
+def json_asked(path: Path | None) -> Path | None:
+    """What ``--json`` is given; for standard output, everything else that is printed is left out."""
+    _only_json.set(path == STANDARD_OUTPUT)
+    return path
+
+
+Json = Annotated[
+    Path | None,
+    typer.Option(
+        "--json",
+        help="Write the result here, as JSON; - for standard output, and nothing else there.",
+        callback=json_asked,
+        metavar="FILE",
+    ),
+]
+
+
+def write_json(path: Path | None, document: object, *, what: str = "") -> None:
+    """Write a document where ``--json`` asks for it, and say so of `what` in a file."""
+    from ..mission.files import write_text
+
+    if path is None:
+        return
+    text = json.dumps(_plain(document), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    if path == STANDARD_OUTPUT:
+        sys.stdout.write(text)
+        return
+    write_text(path, text)
+    if what:
+        say(f"{what} written to {path}")
+
+
+def _plain(value: Any) -> Any:
+    """The value as JSON has it: numbers that are not finite are null."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value
 
 
 def say(text: str = "") -> None:

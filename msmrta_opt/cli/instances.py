@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import typer
+
+from .console import Json
 
 
 def register(app: typer.Typer) -> None:
@@ -10,16 +14,39 @@ def register(app: typer.Typer) -> None:
     app.command()(instances)
 
 
-def instances() -> None:
+def instances(json: Json = None) -> None:
     """List the instances that come with the package; their names stand for their files anywhere."""
     from ..mission.examples import example, examples
-    from .console import table
+    from ..mission.shipped import shipped_instances
+    from .console import table, write_json
+    from .outputs import check_outputs
 
-    rows = []
+    check_outputs(json)
+    records: list[dict[str, Any]] = []
     for name in examples():
         mission = example(name)
-        n_rows, n_cols = mission.map.shape
-        counts = mission.n_robots, mission.n_victims, len(mission.scouts)
-        rows.append((name, *counts, f"{n_rows} × {n_cols}", mission.description))
-    columns = ["name", "robots", "victims", "scouts", "map", "description"]
-    table("Instances", columns, rows, wraps="description")
+        records.append(
+            {
+                "name": name,
+                "robots": mission.n_robots,
+                "victims": mission.n_victims,
+                "scouts": len(mission.scouts),
+                "map": list(mission.map.shape),
+                "description": mission.description,
+                "file": str(shipped_instances()[name]),
+            }
+        )
+    write_json(json, records)
+    table(
+        "Instances",
+        ["name", "robots", "victims", "scouts", "map", "description"],
+        [
+            (
+                *(record[name] for name in ("name", "robots", "victims", "scouts")),
+                " × ".join(map(str, record["map"])),
+                record["description"],
+            )
+            for record in records
+        ],
+        wraps="description",
+    )

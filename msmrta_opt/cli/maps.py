@@ -7,6 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
+from .console import Json
+
 CellSize = Annotated[
     float | None, typer.Option(help="Side of a cell in metres; a floor needs one.")
 ]
@@ -37,6 +39,7 @@ def show_map(
         Path | None,
         typer.Option(help="Write a picture here, before and after: .png, .svg or .pdf."),
     ] = None,
+    json: Json = None,
 ) -> None:
     """Show what cells a map has, and what became of the floor that they were made of.
 
@@ -45,12 +48,13 @@ def show_map(
     """
     from ..mission.map_files import is_floor, read_floor, read_floor_map, read_map_file
     from ..mission.maps import write_map
-    from .console import table
+    from .console import say, table, write_json
     from .outputs import check_outputs
 
-    check_outputs(output, figure=figure, inputs=[file])
+    check_outputs(output, json, figure=figure, inputs=[file])
     options = _floor_options(cell_size, robot_radius, unknown, resolution)
     rows: list[tuple[Any, ...]] = []
+    facts: dict[str, Any] = {}
     if is_floor(file):
         floor = read_floor(file, resolution=resolution)
         made = read_floor_map(file, **options)
@@ -66,6 +70,14 @@ def show_map(
             ),
             ("left out by the cells", f"{made.left_out:.2f} m²"),
         ]
+        facts = {
+            "pixels": [n_rows, n_cols],
+            "resolution": floor.resolution,
+            "shares": dict(floor.share),
+            "area": made.area,
+            "area_regions": made.n_regions,
+            "left_out": made.left_out,
+        }
     else:
         grid = read_map_file(file, **options)
     sizes = sorted(_sizes(grid.component), reverse=True)
@@ -74,14 +86,21 @@ def show_map(
         ("free cells", f"{int(grid.free.sum())} ({grid.free.mean():.1%})"),
         ("regions", f"{len(sizes)}, of {', '.join(map(str, sizes[:5]))}{', …' * (len(sizes) > 5)}"),
     ]
+    facts |= {
+        "name": grid.name,
+        "cells": list(grid.shape),
+        "free_cells": int(grid.free.sum()),
+        "regions": sizes,
+    }
+    write_json(json, facts)
     if output is not None:
         write_map(grid, output)
-        print(f"map written to {output}")
+        say(f"map written to {output}")
     if figure is not None:
         from ..plots import plot_floor, plot_map, save_figure
 
         save_figure(plot_floor(floor, made) if is_floor(file) else plot_map(grid), figure)
-        print(f"picture written to {figure}")
+        say(f"picture written to {figure}")
     table(f"Map {grid.name}", ["what", "value"], rows)
 
 

@@ -9,12 +9,12 @@ import typer
 
 from ..routing.objectives import NAMES
 from .check import check
+from .console import Json as Json
 
 InstanceFile = Annotated[
     Path,
     typer.Argument(help="An instance file, or the name of a shipped one.", metavar="INSTANCE"),
 ]
-Json = Annotated[Path | None, typer.Option("--json", help="Write the result here, as JSON.")]
 Figure = Annotated[Path | None, typer.Option(help="Write the picture here: .png, .svg or .pdf.")]
 Seed = Annotated[int | None, typer.Option(help="Of all random choices.  [default: 0]")]
 
@@ -82,18 +82,21 @@ def plan(
     show_plan(made)
 
 
-def planners() -> None:
+def planners(json: Json = None) -> None:
     """List the planners with their options and defaults."""
     from ..planners import planners as all_planners
-    from .console import table
+    from .console import table, write_json
+    from .outputs import check_outputs
 
+    check_outputs(json)
+    found = all_planners().values()
+    write_json(
+        json,
+        [{"name": x.name, "title": x.title, "options": dict(x.options)} for x in found],
+    )
     rows = [
-        (
-            planner.name,
-            planner.title,
-            ", ".join(f"{name}={_plain(value)}" for name, value in planner.options.items()),
-        )
-        for planner in all_planners().values()
+        (x.name, x.title, ", ".join(f"{name}={_plain(value)}" for name, value in x.options.items()))
+        for x in found
     ]
     table("Planners", ["name", "what it is", "options"], rows)
 
@@ -119,10 +122,9 @@ def scout(
     figure: Figure = None,
 ) -> None:
     """Send out an instance's scouts, and print who found whom, and when."""
-    from ..mission.files import write_text
     from ..mission.instance import Instance
     from ..stages.scouting import scouting
-    from .console import say, table
+    from .console import say, table, write_json
     from .outputs import check_outputs
 
     check_outputs(json, figure=figure, inputs=[instance])
@@ -135,14 +137,12 @@ def scout(
         max_steps=steps,
         stop=until,
     )
-    if json is not None:
-        write_text(json, report.model_dump_json(indent=1) + "\n")
-        typer.echo(f"report written to {json}")
+    write_json(json, report.model_dump(mode="json"), what="report")
     if figure is not None:
         from .outputs import scouting_figure
 
         scouting_figure(mission, report, figure)
-        typer.echo(f"picture written to {figure}")
+        say(f"picture written to {figure}")
     rows = [(find.victim, find.scout, find.step) for find in report.finds]
     table("Victims found", ["victim", "scout", "step"], rows)
     say(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .console import Json
 from .outputs import named_values
 
 if TYPE_CHECKING:
@@ -50,12 +51,16 @@ def models(
     ] = None,
     folders: Folders = None,
     stage: Annotated[str | None, typer.Option(help="Only those of this stage.")] = None,
+    json: Json = None,
 ) -> None:
     """List the formulations, broken files included."""
     from ..mission.errors import InputError
+    from ..mission.suggestions import meant
     from ..optimise import registry
-    from .console import say, table
+    from .console import say, table, write_json
+    from .outputs import check_outputs
 
+    check_outputs(json, inputs=[instance])
     add_folders(folders)
     mission = None
     if instance is not None:
@@ -64,10 +69,16 @@ def models(
         mission = Instance.read(instance)
     known = {item.formulation.spec.stage for item in registry.listings() if item.formulation}
     if stage is not None and stage not in known:
-        raise InputError(f"{stage!r}; give one of {', '.join(sorted(known))}", field="--stage")
+        raise InputError(
+            f"{stage!r}{meant(stage, known)}; give one of {', '.join(sorted(known))}",
+            field="--stage",
+        )
     found = list(registry.listings(stage))
     columns = ["name", "stage", "what it is", "parameters"]
-    rows = [(*_about(item), *(_size(item, mission) if mission else ())) for item in found]
+    sizes = [_size(item, mission) if mission else () for item in found]
+    records = [{**_record(item), **_named(size)} for item, size in zip(found, sizes, strict=True)]
+    write_json(json, records)
+    rows = [(*_about(item), *map(str, size)) for item, size in zip(found, sizes, strict=True)]
     table(
         "Formulations",
         [*columns, *(("variables", "rows") if mission else ())],
@@ -87,7 +98,36 @@ def _about(item: Listing) -> tuple[str, str, str, str]:
     return item.name, spec.stage, spec.title, ", ".join(ranges)
 
 
-def _size(item: Listing, instance: Instance) -> tuple[str, str]:
+def _record(item: Listing) -> dict[str, Any]:
+    """What is said of a formulation in JSON."""
+    known = item.formulation
+    return {
+        "name": item.name,
+        "stage": known and known.spec.stage,
+        "title": known and known.spec.title,
+        "parameters": _parameters_of(known) if known else {},
+        "file": str(item.path),
+        "error": item.error or None,
+    }
+
+
+def _parameters_of(formulation: Formulation) -> dict[str, Any]:
+    return {
+        name: {"low": p.low, "high": p.high, "default": p.default, "meaning": p.meaning}
+        for name, p in formulation.spec.parameters.items()
+    }
+
+
+def _named(size: tuple[object, ...]) -> dict[str, object]:
+    """The size in JSON: numbers, or why there is none."""
+    if not size:
+        return {}
+    if isinstance(size[0], int):
+        return {"variables": size[0], "rows": size[1], "unbuilt": None}
+    return {"variables": None, "rows": None, "unbuilt": size[1] or None}
+
+
+def _size(item: Listing, instance: Instance) -> tuple[object, object]:
     from ..mission.errors import MsmrtaError
     from ..optimise.compile import compile_formulation
     from ..stages.data import stage_data
@@ -100,7 +140,7 @@ def _size(item: Listing, instance: Instance) -> tuple[str, str]:
         program = compile_formulation(item.formulation, data).program()
     except MsmrtaError as error:
         return "–", str(error)
-    return str(program.n_columns), str(program.n_rows)
+    return program.n_columns, program.n_rows
 
 
 def show(
@@ -109,13 +149,27 @@ def show(
         Path | None, typer.Argument(help="Show the program on this one.", metavar="[INSTANCE]")
     ] = None,
     folders: Folders = None,
+    json: Json = None,
 ) -> None:
     """Print a formulation's mathematics; for an instance also its size and structure."""
     from ..optimise import registry
-    from .console import say
+    from .console import say, write_json
+    from .outputs import check_outputs
 
+    check_outputs(json, inputs=[instance])
     add_folders(folders)
     formulation = registry.get(model)
+    facts = {} if instance is None else _facts(formulation, instance)
+    about = {
+        "name": formulation.name,
+        "stage": formulation.spec.stage,
+        "title": formulation.spec.title,
+        "mathematics": formulation.mathematics,
+        "parameters": _parameters_of(formulation),
+        "assumes": formulation.spec.assumes or None,
+        "file": str(formulation.path),
+    }
+    write_json(json, {**about, **({"program": facts} if facts else {})})
     say(formulation.mathematics)
     say()
     for name, item in formulation.spec.parameters.items():
@@ -123,11 +177,12 @@ def show(
     if formulation.spec.assumes:
         say(f"Assumes: {formulation.spec.assumes}")
     say(f"File: {formulation.path}")
-    if instance is not None:
-        _show_program(formulation, instance)
+    if facts:
+        _show_program(facts)
 
 
-def _show_program(formulation: Formulation, path: Path) -> None:
+def _facts(formulation: Formulation, path: Path) -> dict[str, Any]:
+    """The program of a formulation on an instance, as JSON has it."""
     import numpy as np
 
     from ..mission.instance import Instance
@@ -135,7 +190,6 @@ def _show_program(formulation: Formulation, path: Path) -> None:
     from ..optimise.structure import recognise
     from ..stages.data import stage_data
     from ..stages.options import StagedOptions
-    from .console import seconds, table
 
     mission = Instance.read(path)
     data = stage_data(mission, formulation.spec.stage, StagedOptions())
@@ -147,21 +201,42 @@ def _show_program(formulation: Formulation, path: Path) -> None:
     n_entries = program.matrix.nnz
     area = max(program.n_rows * program.n_columns, 1)
     structure = recognise(program)
+    return {
+        "instance": mission.name or str(path),
+        "sense": program.sense,
+        "variables": program.n_columns,
+        "binary": int(np.count_nonzero(binary)),
+        "general_integer": int(np.count_nonzero(program.integer & ~binary)),
+        "continuous": int(np.count_nonzero(~program.integer)),
+        "fixed": n_fixed,
+        "rows": program.n_rows,
+        "equations": n_equations,
+        "entries": n_entries,
+        "density": n_entries / area,
+        "structure": structure.description if structure else None,
+        "seconds": compiled.seconds,
+        "rows_by_label": {block.name: block.size for block in program.rows},
+    }
+
+
+def _show_program(facts: dict[str, Any]) -> None:
+    from .console import seconds, table
+
     rows: list[tuple[str, object]] = [
-        ("sense", program.sense),
-        ("variables", program.n_columns),
-        ("– binary", int(np.count_nonzero(binary))),
-        ("– general integer", int(np.count_nonzero(program.integer & ~binary))),
-        ("– continuous", int(np.count_nonzero(~program.integer))),
-        ("– fixed by their bounds", n_fixed),
-        ("rows", program.n_rows),
-        ("– equations", n_equations),
-        ("entries", f"{n_entries} ({n_entries / area:.2%} of the matrix)"),
-        ("structure", structure.description if structure else "none recognised"),
-        ("built and canonicalised in", seconds(compiled.seconds)),
+        ("sense", facts["sense"]),
+        ("variables", facts["variables"]),
+        ("– binary", facts["binary"]),
+        ("– general integer", facts["general_integer"]),
+        ("– continuous", facts["continuous"]),
+        ("– fixed by their bounds", facts["fixed"]),
+        ("rows", facts["rows"]),
+        ("– equations", facts["equations"]),
+        ("entries", f"{facts['entries']} ({facts['density']:.2%} of the matrix)"),
+        ("structure", facts["structure"] or "none recognised"),
+        ("built and canonicalised in", seconds(facts["seconds"])),
     ]
-    rows += [(f"rows '{block.name}'", block.size) for block in program.rows]
-    table(f"On {mission.name or path}", ["what", "value"], rows)
+    rows += [(f"rows '{label}'", size) for label, size in facts["rows_by_label"].items()]
+    table(f"On {facts['instance']}", ["what", "value"], rows)
 
 
 def new_model(
@@ -183,24 +258,38 @@ def new_model(
     say(f"{path} is a copy of {source}: edit it, then `msmrta show {name}{where}`")
 
 
-def solvers() -> None:
+def solvers(json: Json = None) -> None:
     """List the solvers: what each can do, its version, or how to install it."""
     from ..optimise.solvers import solvers as all_solvers
-    from .console import table
+    from .console import table, write_json
+    from .outputs import check_outputs
 
+    check_outputs(json)
     abilities = ["integer", "lp", "bound", "duals", "time_limit", "gap", "seed", "threads", "start"]
+    records = [
+        {
+            "name": solver.name,
+            "title": solver.title,
+            "installed": solver.installed,
+            "version": solver.version if solver.installed else None,
+            **{ability: ability in solver.abilities for ability in abilities},
+            "install": None if solver.installed else solver.install,
+        }
+        for solver in all_solvers().values()
+    ]
+    write_json(json, records)
     table(
         "Solvers",
         ["name", "what it is", "version", *abilities, "install"],
         [
             (
-                solver.name,
-                solver.title,
-                solver.version if solver.installed else "–",
-                *("yes" if ability in solver.abilities else "" for ability in abilities),
-                "" if solver.installed else solver.install,
+                record["name"],
+                record["title"],
+                record["version"],
+                *("yes" if record[ability] else "" for ability in abilities),
+                record["install"] or "",
             )
-            for solver in all_solvers().values()
+            for record in records
         ],
     )
 

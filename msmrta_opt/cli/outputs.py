@@ -30,7 +30,7 @@ def check_outputs(
         If a folder does not exist, a file is a folder, one of the `inputs` or given twice, or a
         picture's format is unknown.
     """
-    outputs = [file for file in (*files, figure) if file is not None]
+    outputs = [file for file in (*files, figure) if file not in (None, Path("-"))]
     for number, file in enumerate(outputs):
         if file.is_dir():
             raise InputError("is a folder; give a file", file=file)
@@ -93,14 +93,18 @@ def write_table(table: pd.DataFrame, csv: Path | None, parquet: Path | None) -> 
 
 def write_plan(plan: Plan, json: Path | None, figure: Path | None) -> None:
     """Write a plan's document and its picture where they are asked for, and say so."""
-    if json is not None:
+    from .console import STANDARD_OUTPUT, say, write_json
+
+    if json == STANDARD_OUTPUT:
+        write_json(json, plan.document())
+    elif json is not None:
         plan.save(json)
-        print(f"plan written to {json}")
+        say(f"plan written to {json}")
     if figure is not None:
         from ..plots import save_figure
 
         save_figure(plan.plot(), figure)
-        print(f"picture written to {figure}")
+        say(f"picture written to {figure}")
 
 
 def document_format(path: Path) -> str:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from .console import Json
 from .missions import Figure
 
 
@@ -18,17 +19,25 @@ def register(app: typer.Typer) -> None:
 PlanFile = Annotated[Path, typer.Argument(help="A plan file, as plan --json writes it.")]
 
 
-def diff_plans(before: PlanFile, after: PlanFile, figure: Figure = None) -> None:
+def diff_plans(before: PlanFile, after: PlanFile, json: Json = None, figure: Figure = None) -> None:
     """Show what another plan does otherwise: visits that moved, and metrics beside each other."""
     from ..certify.same_mission import differences
     from ..mission.plan import Plan
     from ..mission.plan_difference import SERVED
-    from .console import say, table
+    from .console import say, table, write_json
     from .outputs import check_outputs
 
-    check_outputs(figure=figure, inputs=[before, after])
+    check_outputs(json, figure=figure, inputs=[before, after])
     first, second = Plan.read(before), Plan.read(after)
     found = first.diff(second)
+    others = differences(first, second.instance)
+    document = {
+        "summary": found.summary,
+        "metrics": found.metrics,
+        "moved": found.moved,
+        "missions_differ": others,
+    }
+    write_json(json, document, what="difference")
     if figure is not None:
         from ..plots import save_figure
 
@@ -52,7 +61,7 @@ def diff_plans(before: PlanFile, after: PlanFile, figure: Figure = None) -> None
             ],
         )
     say(f"{found.summary}.")
-    for line in differences(first, second.instance):
+    for line in others:
         say(f"The plans are for different missions: {line}.")
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..routing.objectives import DEFAULT, NAMES, objective_of
+from .console import Json
 from .missions import Figure, Seed
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ def compare_plans(
     objective: Annotated[str, typer.Option(help=f"One of {NAMES}.")] = DEFAULT,
     seconds: Annotated[float, typer.Option(help="For the exact planner, on each.")] = 30.0,
     seed: Seed = None,
+    json: Json = None,
     figure: Figure = None,
 ) -> None:
     """Compare planners on instances, each beside a proven bound, and what the staged method loses."""
@@ -35,12 +37,13 @@ def compare_plans(
     from ..planners import plan as make_plan
     from ..studies.analysis.staging import candidates, price_of_staging
     from ..studies.missions import read_instances
+    from .console import say, write_json
     from .outputs import check_outputs
 
     objective_of(objective)
     if not seconds >= 0:
         raise InputError(f"{seconds!r}; give 0 or more", field="--seconds")
-    check_outputs(figure=figure, inputs=instances)
+    check_outputs(json, figure=figure, inputs=instances)
     chosen, compared, losses_of = seed or 0, {}, {}
     with interruptible():
         for mission in read_instances(instances):
@@ -53,16 +56,54 @@ def compare_plans(
             if interrupted():
                 break
         # Files first: whatever becomes of the screen, what was found is kept.
+        write_json(json, _document(objective, compared, losses_of), what="comparison")
         if figure is not None and any(losses_of.values()):
             from ..plots import save_figure
             from ..studies.analysis.staging_picture import staging_losses
 
             save_figure(staging_losses(losses_of, objective), figure)
-            typer.echo(f"picture written to {figure}")
+            say(f"picture written to {figure}")
         for name, plans in compared.items():
             _show(name, objective, plans, losses_of.get(name, []))
         if interrupted():
             raise KeyboardInterrupt
+
+
+def _document(
+    objective: str,
+    compared: Mapping[str, Sequence[Candidate]],
+    losses_of: Mapping[str, Sequence[Loss]],
+) -> dict[str, Any]:
+    from ..mission.metrics import metrics_of
+
+    metrics = metrics_of("plans")
+    return {
+        "objective": objective,
+        "plans": [
+            {
+                "instance": name,
+                "plan": item.name,
+                "value": item.value,
+                "bound": item.bound,
+                "gap": item.gap,
+                **{metric.name: metric.of(item.metrics) for metric in metrics},
+            }
+            for name, items in compared.items()
+            for item in items
+        ],
+        "stages": [
+            {
+                "instance": name,
+                "freed": item.stage,
+                "before": item.before,
+                "after": item.after,
+                "loss": item.loss,
+                "bound": item.bound,
+            }
+            for name, items in losses_of.items()
+            for item in items
+        ],
+    }
 
 
 def _show(name: str, objective: str, plans: Sequence[Candidate], losses: Sequence[Loss]) -> None:

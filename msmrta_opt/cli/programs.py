@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .console import Json
 from .missions import InstanceFile
 from .models import Folders, Model, Options, Parameters, numbers, prepared
 from .outputs import named_values
@@ -54,14 +55,16 @@ def solve(
     parameters: Parameters = None,
     options: Options = None,
     folders: Folders = None,
+    json: Json = None,
 ) -> None:
     """Solve a formulation on an instance, and print the solution with its certificate."""
     from ..optimise.solve import solve as solve_it
+    from .console import write_json
     from .outputs import check_outputs
     from .proofs import proved, require_suffix
 
     require_suffix(proof)
-    check_outputs(proof, inputs=[instance])
+    check_outputs(proof, json, inputs=[instance])
     formulation, data = prepared(model, instance, options, folders)
     point = None if start is None else _start(start, formulation, data, instance, options)
     solution = solve_it(
@@ -77,6 +80,7 @@ def solve(
         verbose=verbose,
         **numbers(formulation, parameters),
     )
+    write_json(json, solution.document(), what="solution")
     _show_solution(solution)
     is_contradicted = False
     if proof is not None:

@@ -34,13 +34,16 @@ def run(
         str | None, typer.Option(help="Run on this Dask cluster.", metavar="tcp://HOST:PORT")
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Do failed runs again.")] = False,
+    json: Json = None,
 ) -> None:
     """Do all runs of a study that are not done yet; what is finished is kept, whatever happens."""
     from tqdm import tqdm
 
     from ..studies.study import study as open_study
     from .console import say
+    from .outputs import check_outputs
 
+    check_outputs(json, inputs=[study, study.with_suffix(".sqlite")])
     asked = open_study(study)
     execute = None
     if dask is not None:
@@ -64,16 +67,18 @@ def run(
             say(f"interrupted: {len(todo) - left} of {len(todo)} runs are kept.")
             say(f"To go on from there: msmrta study run {study}")
             raise
-    _show(asked.state())
+    _show(asked.state(), json)
 
 
-def status(study: StudyFile) -> None:
+def status(study: StudyFile, json: Json = None) -> None:
     """Show what of a study is done, what failed and why, and what is left."""
     from ..studies.study import study as open_study
     from .console import say
+    from .outputs import check_outputs
 
+    check_outputs(json, inputs=[study, study.with_suffix(".sqlite")])
     state = open_study(study).state()
-    _show(state)
+    _show(state, json)
     if state.n_others:
         say(f"{state.n_others} more runs in the ledger are of other settings or versions.")
 
@@ -86,10 +91,9 @@ def export(
 ) -> None:
     """Write the runs of a study as a table, a row a run."""
     from ..mission.errors import InputError
-    from ..mission.files import write_with
     from ..studies.record import frame
     from ..studies.study import study as open_study
-    from .console import say
+    from .console import say, write_json
     from .outputs import check_outputs, check_parquet, write_table
 
     if csv is None and parquet is None and json is None:
@@ -99,8 +103,7 @@ def export(
     records = open_study(study).state().records
     table = frame(records).convert_dtypes()
     write_table(table, csv, parquet)
-    if json is not None:
-        write_with(json, lambda path: table.to_json(path, orient="records", indent=1))
+    write_json(json, table.astype(object).where(table.notna(), None).to_dict("records"))
     for path in (csv, parquet, json):
         if path is not None:
             say(f"{len(records)} runs written to {path}")
@@ -123,9 +126,10 @@ def report(
     say(f"report of {len(state.records)} of {len(state.runs)} runs written to {page}")
 
 
-def _show(state: State) -> None:
-    from .console import say, table
+def _show(state: State, json: Path | None) -> None:
+    from .console import say, table, write_json
 
+    write_json(json, {"runs": state.rows, "failures": state.failures, "others": state.n_others})
     table(
         "Runs",
         ["contender", "all", "finished", "failed", "open"],

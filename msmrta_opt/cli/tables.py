@@ -8,6 +8,7 @@ from ..mission.instance import Instance
 from ..mission.metrics import metrics_of
 from ..mission.plan import Plan
 from ..planners.support.improvement import STAGE as IMPROVED
+from ..planners.support.notes import notes
 from ..stages.requirement_analysis import requirement_analysis
 from .console import say, seconds, table
 
@@ -22,6 +23,8 @@ def show_plan(plan: Plan) -> None:
     _routes(plan)
     _unserved(plan)
     _metrics(plan)
+    for line in notes(plan):
+        say(line)
     _certificates(plan)
     _times(plan)
 

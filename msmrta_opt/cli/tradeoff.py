@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .console import Json
 from .missions import Figure, InstanceFile, Seed
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ def tradeoff(
     psi: Annotated[float | None, typer.Option(help="ψ while β runs.  [default: 0.95]")] = None,
     seed: Seed = None,
     csv: Annotated[Path | None, typer.Option(help="Write the pieces here.")] = None,
+    json: Json = None,
     figure: Figure = None,
 ) -> None:
     """Find every optimum over ψ or β, or every plan over both, with the exact values of change."""
@@ -34,10 +36,10 @@ def tradeoff(
     from ..mission.errors import InputError
     from ..mission.instance import Instance
     from ..studies.analysis import tradeoff as study
-    from .console import say
+    from .console import say, write_json
     from .outputs import check_outputs
 
-    check_outputs(csv, figure=figure, inputs=[instance])
+    check_outputs(csv, json, figure=figure, inputs=[instance])
     given = {"psi": psi, "seed": seed}
     options: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     mission = Instance.read(instance)
@@ -58,13 +60,14 @@ def tradeoff(
         # Files first: whatever becomes of the screen, what was found is kept.
         if csv is not None:
             _write_csv(rows, csv)
+        write_json(json, regions.document() if len(names) > 1 else result.document(), what="pieces")
         if figure is not None:
             from ..plots import save_figure
             from ..studies.analysis.tradeoff_pages import regions_figure, tradeoff_figure
 
             drawn = regions_figure(regions) if len(names) > 1 else tradeoff_figure(result)
             save_figure(drawn, figure)
-            typer.echo(f"picture written to {figure}")
+            say(f"picture written to {figure}")
         if len(names) > 1:
             _show_regions(regions, rows)
         else:
@@ -158,9 +161,10 @@ def _write_csv(rows: list[dict[str, object]], path: Path) -> None:
     import pandas as pd
 
     from ..mission.files import write_with
+    from .console import say
 
     write_with(path, lambda file: pd.DataFrame(rows).to_csv(file, index=False))
-    typer.echo(f"table written to {path}")
+    say(f"table written to {path}")
 
 
 def _short(number: Fraction) -> str:

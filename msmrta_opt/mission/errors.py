@@ -7,8 +7,12 @@ line that names the file, the field and the offending value, and says what would
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from os import PathLike
 from typing import Any
+
+MOST_MISTAKES = 10
+"""Of one file that are told at once."""
 
 
 class MsmrtaError(Exception):
@@ -55,6 +59,31 @@ class NoPlanError(InputError):
     def __init__(self, problem: str, *, field: str = "", proven: bool = False) -> None:
         super().__init__(problem, field=field)
         self.proven = proven
+
+
+class MistakesError(InputError):
+    """Several mistakes in one file; as text the first, and how many more there are.
+
+    Parameters
+    ----------
+    each : sequence of InputError
+        Two or more.
+    """
+
+    def __init__(self, each: Sequence[InputError]) -> None:
+        self.each = tuple(each)
+        first, n_more = self.each[0], len(self.each) - 1
+        more = f" (and {n_more} more {'mistake' if n_more == 1 else 'mistakes'})"
+        super().__init__(first.problem + more, field=first.field, file=first.file)
+
+    def within(self, file: str | PathLike[str]) -> MistakesError:
+        """The same errors, each said of `file` (unless it names one already)."""
+        return MistakesError([error.within(file) for error in self.each])
+
+
+def all_of(errors: Sequence[InputError]) -> InputError:
+    """The first of `errors`, up to `MOST_MISTAKES`, as one."""
+    return errors[0] if len(errors) == 1 else MistakesError(errors[:MOST_MISTAKES])
 
 
 class ModelError(MsmrtaError):

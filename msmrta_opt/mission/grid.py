@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import Bools, Floats, Int32s
+from .errors import InputError
 from .frame import Frame
 from .search import Cell as Cell
 from .search import Cells, Search, graph, search
@@ -55,7 +56,7 @@ class GridMap:
     def __post_init__(self) -> None:
         free = np.array(self.free, dtype=bool)
         if free.ndim != 2 or 0 in free.shape:
-            raise ValueError(f"a map is a non-empty rectangle of cells, not shape {free.shape}")
+            raise InputError(f"a map is a non-empty rectangle of cells, not shape {free.shape}")
         free.setflags(write=False)
         object.__setattr__(self, "free", free)
 

@@ -15,41 +15,23 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    NonNegativeInt,
-    ValidationError,
-    field_validator,
-    model_validator,
-)
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from . import display
-from .errors import InputError, at
+from .errors import InputError, all_of, shown
+from .fields import Amount, Id, Speed
+from .fields import CellField as CellField
 from .files import write_text
 from .grid import Cell
 from .map_field import MapField, cells_of_positions
+from .mistakes import mistakes
 from .shipped import find_instance
-from .validation import first_problem, read_model
+from .suggestions import meant
+from .validation import problems_of, read_model
 
 FORMAT: Literal["msmrta-instance/1"] = "msmrta-instance/1"
 
 T = TypeVar("T", bound=np.generic)
-
-
-def _moving(speed: float) -> float:
-    if speed < 1e-30:
-        raise ValueError(f"{speed:g}; give 1e-30 or more")
-    return speed
-
-
-CellField = tuple[NonNegativeInt, NonNegativeInt]
-Id = Annotated[int, Field(ge=0, lt=2**63)]  # as arrays and ledgers hold them
-# Beyond these, sums and products of times would leave the range of floats.
-Amount = Annotated[float, Field(ge=0, le=1e30, allow_inf_nan=False)]
-Speed = Annotated[float, Field(gt=0, le=1e30, allow_inf_nan=False), AfterValidator(_moving)]
 
 
 class _Record(BaseModel):
@@ -112,44 +94,10 @@ class Instance(_Record):
     scouts: tuple[Scout, ...] = ()
     clusters: tuple[Id, ...] | None = None
 
-    @field_validator("capabilities")
-    @classmethod
-    def _kinds_differ(cls, kinds: tuple[str, ...]) -> tuple[str, ...]:
-        _refuse_repeats("", kinds, "each kind is listed once")
-        return kinds
-
     @model_validator(mode="after")
     def _refers_to_what_exists(self) -> Self:
-        kinds = self.capabilities
-        for kind in self.service_time:
-            _known_kind(at("service_time", kind), kind, kinds)
-        for kind in kinds:
-            if kind not in self.service_time:
-                raise InputError(
-                    f"no time for kind {kind!r}; give one for each", field="service_time"
-                )
-        for group, members in (
-            ("robots", self.robots),
-            ("victims", self.victims),
-            ("scouts", self.scouts),
-        ):
-            ids = [member.id for member in members]
-            _refuse_repeats(group, ids, "ids differ within a group", suffix=".id")
-        for i, robot in enumerate(self.robots):
-            self._check_cell(at("robots", i, "start"), robot.start)
-            _check_kinds(at("robots", i, "capabilities"), robot.capabilities, kinds)
-        for i, victim in enumerate(self.victims):
-            self._check_cell(at("victims", i, "cell"), victim.cell)
-            _check_kinds(at("victims", i, "requirements"), victim.requirements, kinds)
-            for kind in victim.service_time:
-                _known_kind(at("victims", i, "service_time"), kind, victim.requirements)
-        for i, scout in enumerate(self.scouts):
-            self._check_cell(at("scouts", i, "start"), scout.start)
-        if self.clusters is not None and len(self.clusters) != self.n_victims:
-            raise InputError(
-                f"{len(self.clusters)} labels for {self.n_victims} victims; give one per victim",
-                field="clusters",
-            )
+        if wrong := list(mistakes(self)):
+            raise all_of(wrong)
         return self
 
     def __eq__(self, other: object) -> bool:
@@ -198,17 +146,6 @@ class Instance(_Record):
             display.counted(self.n_kinds, "kind"),
         ]
         return f"{self.name or 'unnamed'}: {', '.join(counts)}, map of {n_rows} × {n_cols} cells"
-
-    def _check_cell(self, field: str, cell: Cell) -> None:
-        n_rows, n_cols = self.map.shape
-        if not self.map.contains(cell):
-            raise InputError(
-                f"{list(cell)} is outside the map; rows are 0 to {n_rows - 1},"
-                f" columns 0 to {n_cols - 1}",
-                field=field,
-            )
-        if not self.map.is_free(cell):
-            raise InputError(f"{list(cell)} is in a wall; give a free cell", field=field)
 
     # Sizes and arrays
 
@@ -291,7 +228,7 @@ class Instance(_Record):
             text = json.dumps(cells_of_positions(document, context))
             return cls.model_validate_json(text, strict=True, context=context)
         except ValidationError as error:
-            raise first_problem(error).within(file) from None
+            raise problems_of(error, cls).within(file) from None
         except InputError as error:
             raise error.within(file) from None
 
@@ -324,9 +261,10 @@ class Instance(_Record):
         """
         unknown = set(changes) - set(type(self).model_fields)
         if unknown:
+            name = sorted(unknown)[0]
+            known = type(self).model_fields
             raise InputError(
-                f"no such field; there are {', '.join(type(self).model_fields)}",
-                field=sorted(unknown)[0],
+                f"no such field{meant(name, known)}; there are {', '.join(known)}", field=name
             )
         if "victims" in changes:
             changes.setdefault("clusters", None)
@@ -334,12 +272,27 @@ class Instance(_Record):
         try:
             return type(self).model_validate(values)
         except ValidationError as error:
-            raise first_problem(error) from None
+            raise problems_of(error, type(self)) from None
 
     def with_victims(self, indices: Sequence[int]) -> Instance:
         """The same mission with only the victims at `indices`, their pinned clusters kept."""
         labels = None if self.clusters is None else tuple(self.clusters[i] for i in indices)
         return self.replace(victims=tuple(self.victims[i] for i in indices), clusters=labels)
+
+
+def require_mission(value: object) -> Instance:
+    """`value` itself, if it is a mission.
+
+    Raises
+    ------
+    InputError
+        If it is anything else, such as a file's name.
+    """
+    if not isinstance(value, Instance):
+        raise InputError(
+            f"{shown(value)}; give a mission, as msmrta_opt.read(FILE) returns it", field="instance"
+        )
+    return value
 
 
 def json_schema() -> dict[str, Any]:
@@ -355,21 +308,3 @@ def _membership(rows: Sequence[Sequence[str]], kinds: Sequence[str]) -> NDArray[
 def _frozen(array: NDArray[T]) -> NDArray[T]:
     array.setflags(write=False)
     return array
-
-
-def _known_kind(field: str, kind: str, kinds: Sequence[str]) -> None:
-    if kind not in kinds:
-        known = ", ".join(kinds) or "none"
-        raise InputError(f"unknown kind {kind!r}; known here: {known}", field=field)
-
-
-def _check_kinds(field: str, names: Sequence[str], kinds: Sequence[str]) -> None:
-    for kind in names:
-        _known_kind(field, kind, kinds)
-    _refuse_repeats(field, names, "each kind is listed once")
-
-
-def _refuse_repeats(field: str, values: Sequence[object], rule: str, *, suffix: str = "") -> None:
-    for i, value in enumerate(values):
-        if value in values[:i]:
-            raise InputError(f"{value!r} is repeated; {rule}", field=f"{field}[{i}]{suffix}")

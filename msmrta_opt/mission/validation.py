@@ -1,16 +1,17 @@
-"""Documents read into pydantic's models, with one clear line for what is wrong."""
+"""Documents read into pydantic's models, with one clear line for each thing that is wrong."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from .errors import InputError, at, shown
+from .errors import InputError, MistakesError, all_of, at, shown
 from .files import parse_json, read_text
+from .suggestions import meant
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -69,7 +70,8 @@ def read_model(
     Raises
     ------
     InputError
-        Naming the file, the field, the offending value and what would be right.
+        Naming the file, the field, the offending value and what would be right; `MistakesError` of
+        several mistakes.
     """
     try:
         text = read_text(path)
@@ -78,17 +80,46 @@ def read_model(
             text = json.dumps(prepared)
         return model.model_validate_json(text, strict=True, context=context)
     except ValidationError as error:
-        raise first_problem(error).within(path) from None
+        raise problems_of(error, model).within(path) from None
     except InputError as error:
         raise error.within(path) from None
 
 
-def first_problem(error: ValidationError) -> InputError:
+def first_problem(error: ValidationError, model: type[BaseModel] | None = None) -> InputError:
     """The first of pydantic's findings, as our own error: field, value, what would be right."""
-    found = error.errors(include_url=False)[0]
+    return _problem(error.errors(include_url=False)[0], model)
+
+
+def problems_of(error: ValidationError, model: type[BaseModel] | None = None) -> InputError:
+    """All of pydantic's findings, as one error of our own.
+
+    Parameters
+    ----------
+    error : ValidationError
+        What pydantic found.
+    model : type, optional
+        What was to be read; with it a misspelt field is told what was meant.
+    """
+    every = error.errors(include_url=False)
+    found: list[InputError] = []
+    for item in every:
+        if item["type"] == "too_short" and any(_is_inside(x["loc"], item["loc"]) for x in every):
+            continue  # only since an item is wrong
+        problem = _problem(item, model)
+        found += problem.each if isinstance(problem, MistakesError) else [problem]
+    return all_of(found)
+
+
+def _is_inside(inner: tuple[str | int, ...], outer: tuple[str | int, ...]) -> bool:
+    return len(inner) > len(outer) and inner[: len(outer)] == outer
+
+
+def _problem(found: Mapping[str, Any], model: type[BaseModel] | None) -> InputError:
     kind, loc, context = found["type"], found["loc"], found.get("ctx", {})
     field = at(*loc)
     cause = context.get("error")
+    if isinstance(cause, MistakesError):
+        return MistakesError([said_of(field, each) for each in cause.each])
     if isinstance(cause, InputError):
         return said_of(field, cause)
     if kind == "value_error":
@@ -99,7 +130,27 @@ def first_problem(error: ValidationError) -> InputError:
         field = at(*loc[:-1])
     plain = found["msg"][:1].lower() + found["msg"][1:]
     right = _RIGHT[kind].format(**context) if kind in _RIGHT else plain
+    if kind == "extra_forbidden" and model is not None:
+        right += meant(loc[-1], _fields_at(model, loc[:-1]))
     return InputError(f"{shown(found['input'])}; {right}", field=field)
+
+
+def _fields_at(model: Any, loc: Sequence[str | int]) -> Iterable[str]:
+    """The names of the fields of the record at a place in a document."""
+    for name in loc:
+        if isinstance(name, int):
+            continue  # a list's items have the type that was found within it
+        inside = getattr(model, "model_fields", {}).get(name)
+        model = _record_in(inside.annotation) if inside is not None else None
+    return getattr(model, "model_fields", {})
+
+
+def _record_in(annotation: Any) -> Any:
+    """The record that an annotation is, or is a list of."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    found = (_record_in(part) for part in get_args(annotation))
+    return next((record for record in found if record is not None), None)
 
 
 def said_of(field: str, cause: InputError) -> InputError:

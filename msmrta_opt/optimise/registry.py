@@ -24,6 +24,7 @@ from weakref import WeakKeyDictionary
 from .. import formulations
 from ..mission.errors import InputError, ModelError, MsmrtaError
 from ..mission.files import read_text, write_text
+from ..mission.suggestions import meant
 from .formulation import Spec
 
 if TYPE_CHECKING:
@@ -230,8 +231,11 @@ def path_of(name: str, *, stage: str | None = None) -> Path:
     places = [folder / f"{name}.py" for folder in folders()]
     path = next((place for place in places if place.is_file()), None)
     if path is None or name.startswith("_"):
-        usable = (item.name for item in listings(stage) if item.formulation)
-        raise InputError(f"no formulation {name!r}; there are {', '.join(usable)}", field="model")
+        usable = [item.name for item in listings(stage) if item.formulation]
+        raise InputError(
+            f"no formulation {name!r}{meant(name, usable)}; there are {', '.join(usable)}",
+            field="model",
+        )
     return path
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -171,6 +171,16 @@ class Solution:
             parts.append(f"bound {self.bound:.9g}")
         parts += [self.solver] if self.solver else []
         return ", ".join(parts)
+
+    def document(self) -> dict[str, Any]:
+        """The certificate and the variables that are not zero, ready for JSON; ids in the names."""
+        names = (
+            *("formulation", "status", "sense", "objective", "bound", "gap", "proof", "check"),
+            *("solver", "solver_version", "message", "parameters", "options", "start"),
+            *("canonicalise_seconds", "solve_seconds", "nodes", "n_variables", "n_rows"),
+        )
+        rows = [{"variable": name, "value": value} for name, value in self.nonzero()]
+        return {**{name: getattr(self, name) for name in names}, "variables": rows}
 
     def require(self) -> Solution:
         """The solution itself, if it holds a checked incumbent.

@@ -19,8 +19,9 @@ from typing import Any
 
 from ..certify.plan import check_plan
 from ..mission.errors import InputError
-from ..mission.instance import Instance
+from ..mission.instance import Instance, require_mission
 from ..mission.plan import Plan
+from ..mission.suggestions import meant
 from ..routing.objectives import DEFAULT, objective_of
 from ..routing.parameters import Parameters
 from .support.improvement import improve_plan
@@ -77,6 +78,7 @@ def plan(
     CheckError
         If the plan fails its independent check, which would be a defect of the planner.
     """
+    require_mission(instance)
     of_search = dict(zip(OF_SEARCH, (objective, parameters), strict=True))
     check_options(planner, {"improve": improve, **of_search, **options})
     chosen = planners()[planner]
@@ -106,14 +108,17 @@ def check_options(planner: str, options: Mapping[str, Any]) -> None:
     """
     known = planners()
     if planner not in known:
-        raise InputError(f"{planner!r}; give one of {', '.join(known)}", field="planner")
+        raise InputError(
+            f"{planner!r}{meant(planner, known)}; give one of {', '.join(known)}", field="planner"
+        )
     chosen = known[planner]
     takes = chosen.options
     own = {k: x for k, x in options.items() if k not in ("improve", *OF_SEARCH, "callbacks")}
     for name in own:
         if name not in takes:
             raise InputError(
-                f"planner {planner} has no such option; it has {', '.join(takes)}", field=name
+                f"planner {planner} has no such option{meant(name, takes)}; it has {', '.join(takes)}",
+                field=name,
             )
     if chosen.check is not None:
         chosen.check(own)

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..mission.errors import InputError
+from ..mission.suggestions import meant
 
 if TYPE_CHECKING:  # the command line reads this table, and is to start without numpy
     from ..mission.metrics import Metrics
@@ -94,7 +95,10 @@ def objective_of(name: object) -> Objective:
     if isinstance(name, Objective):
         return name
     if not isinstance(name, str) or name not in OBJECTIVES:
-        raise InputError(f"{name!r}; give one of {', '.join(OBJECTIVES)}", field="objective")
+        raise InputError(
+            f"{name!r}{meant(name, OBJECTIVES)}; give one of {', '.join(OBJECTIVES)}",
+            field="objective",
+        )
     return OBJECTIVES[name]
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mission.errors import InputError
-from ..mission.instance import Instance
+from ..mission.instance import Instance, require_mission
+from ..mission.suggestions import meant
 from ..optimise.axes import StageData
 from ..optimise.data import ClusterData, ClusteringData, JointAssignmentData, VictimData
 from ..routing.problem import RoutingData
@@ -52,8 +53,11 @@ def stage_data(instance: Instance, stage: str, options: StagedOptions | None = N
         If a stage before has no solution that passes its check.
     """
     if stage not in STAGES:
-        raise InputError(f"no stage {stage!r}; there are {', '.join(STAGES)}", field="stage")
-    so_far = SoFar(instance, options or StagedOptions())
+        raise InputError(
+            f"no stage {stage!r}{meant(stage, STAGES)}; there are {', '.join(STAGES)}",
+            field="stage",
+        )
+    so_far = SoFar(require_mission(instance), options or StagedOptions())
     if not so_far.situation.instance.n_victims:
         raise InputError(
             f"instance {instance.name!r} has no known victims; give at least one", field="victims"

@@ -15,6 +15,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from ..mission.errors import InputError
+from ..mission.suggestions import meant
 
 Weights = Literal["text", "authors"]
 Members = Literal["all", "partial"]
@@ -83,9 +84,9 @@ class StagedOptions:
                 raise InputError(f"{getattr(self, name)!r}; give true or false", field=name)
         for name, choices in CHOICES.items():
             if getattr(self, name) not in choices:
-                raise InputError(
-                    f"{getattr(self, name)!r}; give one of {', '.join(choices)}", field=name
-                )
+                value = getattr(self, name)
+                near = meant(value, choices)
+                raise InputError(f"{value!r}{near}; give one of {', '.join(choices)}", field=name)
 
     def _check(
         self, name: str, kind: type, plain: type, minimum: float, maximum: float, right: str
@@ -107,11 +108,16 @@ class StagedOptions:
             If the preset or an option is unknown, or a value is out of range.
         """
         if preset not in PRESETS:
-            raise InputError(f"{preset!r}; give one of {', '.join(PRESETS)}", field="preset")
+            raise InputError(
+                f"{preset!r}{meant(preset, PRESETS)}; give one of {', '.join(PRESETS)}",
+                field="preset",
+            )
         known = [item.name for item in fields(cls)]
         for name in changes:
             if name not in known:
-                raise InputError(f"no such option; there are {', '.join(known)}", field=name)
+                raise InputError(
+                    f"no such option{meant(name, known)}; there are {', '.join(known)}", field=name
+                )
         return cls(**{**PRESETS[preset], **changes})
 
     @property

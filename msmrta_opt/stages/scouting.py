@@ -21,6 +21,7 @@ from ..mission.errors import InputError
 from ..mission.grid import Cell, GridMap
 from ..mission.instance import Instance
 from ..mission.plan import Find, ScoutingReport, Track
+from ..mission.suggestions import meant
 from ..mission.visibility import FieldOfView
 from .options import StagedOptions
 from .walks import WALKS, Ground
@@ -194,9 +195,14 @@ def _neighbours(grid: GridMap) -> Callable[[Cell], tuple[Cell, ...]]:
 
 def _check_options(walk: str, seed: int, max_steps: int | None, stop: str) -> None:
     if walk not in WALKS:
-        raise InputError(f"unknown walk {walk!r}; there are {', '.join(WALKS)}", field="walk")
+        raise InputError(
+            f"unknown walk {walk!r}{meant(walk, WALKS)}; there are {', '.join(WALKS)}", field="walk"
+        )
     if stop not in STOPS:
-        raise InputError(f"unknown condition {stop!r}; there are {', '.join(STOPS)}", field="stop")
+        raise InputError(
+            f"unknown condition {stop!r}{meant(stop, STOPS)}; there are {', '.join(STOPS)}",
+            field="stop",
+        )
     if not 0 <= seed < 2**32:
         raise InputError(f"{seed}; give an integer from 0 to 2**32 - 1", field="seed")
     if max_steps is not None and max_steps < 0:

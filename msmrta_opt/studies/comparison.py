@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..isolation import Limits
 from ..mission.errors import InputError
-from ..mission.instance import Instance
+from ..mission.instance import Instance, require_mission
 from ..stages.options import StagedOptions
 from .missions import Mission
 from .record import Record
@@ -34,7 +34,8 @@ def cases(instances: Sequence[Instance], **options: Any) -> list[Run]:
     contenders = [solving_contender(task) for task in solving_tasks(**options)]
     if not instances:
         raise InputError("no instance; give at least one", field="compare")
-    return combined([Mission.of(instance) for instance in instances], contenders, Timing())
+    missions = [Mission.of(require_mission(instance)) for instance in instances]
+    return combined(missions, contenders, Timing())
 
 
 def compare(

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..mission.errors import InputError, ModelError
 from ..mission.instance import Instance
+from ..mission.suggestions import meant
 from ..mission.validation import said_of
 from ..optimise import registry, solvers
 from ..optimise.solve import AUTO
@@ -192,7 +193,10 @@ def _solving(table: FormulationTable, options: Mapping[str, Any]) -> Sequence[So
     for name in parameters:
         if name not in known:
             there = ", ".join(sorted(known | staged | set(SOLVING)))
-            raise InputError(f"no such option; there are {there}", field=name)
+            raise InputError(
+                f"no such option{meant(name, (*known, *staged, *SOLVING))}; there are {there}",
+                field=name,
+            )
     return found
 
 
@@ -231,7 +235,8 @@ def _check_labels(contenders: Sequence[Contender], baseline: str | None) -> None
     labels = dict.fromkeys(contender.label for contender in contenders)
     if baseline is not None and baseline not in labels:
         raise InputError(
-            f"{baseline!r} is not run; give one of {', '.join(labels)}", field="report.baseline"
+            f"{baseline!r} is not run{meant(baseline, labels)}; give one of {', '.join(labels)}",
+            field="report.baseline",
         )
 
 

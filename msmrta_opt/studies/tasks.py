@@ -19,6 +19,7 @@ from ..mission.errors import InputError, UnsupportedError
 from ..mission.instance import Instance
 from ..mission.metrics import METRICS
 from ..mission.plan import Plan
+from ..mission.suggestions import meant
 from ..optimise import registry, solvers
 from ..optimise.data import ClusterData
 from ..optimise.solution import Solution
@@ -181,7 +182,10 @@ def solving_tasks(
         to solve.
     """
     if stage not in STAGES:
-        raise InputError(f"no stage {stage!r}; there are {', '.join(STAGES)}", field="stage")
+        raise InputError(
+            f"no stage {stage!r}{meant(stage, STAGES)}; there are {', '.join(STAGES)}",
+            field="stage",
+        )
     for seed in seeds or (None,):
         Options(time_limit=time_limit, gap=gap, seed=seed)
     known = {item.name for item in registry.listings()}

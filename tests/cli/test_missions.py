@@ -296,7 +296,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "broken.json").write_text('{"format": ')
     (tmp_path / "number.json").write_text("7")
     (tmp_path / "list.json").write_text("[]")
-    (tmp_path / "half.json").write_text('{"format": "msmrta-plan/1", "planner": "mine"}')
+    (tmp_path / "half.json").write_text(
+        '{"format": "msmrta-plan/1", "planner": "mine", "routes": []}'
+    )
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -75,7 +75,7 @@ TABLE: dict[str, tuple[str, str, str]] = {
     "override_of_kind_not_needed.json": (
         "victims[0].service_time",
         "'DebrisRemover'",
-        "known here: FirstAids",
+        "remove it, or add the kind to its requirements",
     ),
     "no_service_time.json": ("service_time", "'DebrisRemover'", "no time"),
     "repeated_kind.json": ("capabilities[2]", "'FirstAids'", "listed once"),

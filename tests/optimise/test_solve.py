@@ -285,8 +285,11 @@ def test_an_assignment_that_its_prices_do_not_prove_is_solved_otherwise(
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({"solver": "hihgs"}, "solver: no solver 'hihgs'; .*auto.*highs"),
-        ({"phi": 0.5}, "phi: .* no such parameter; it has psi"),
+        (
+            {"solver": "hihgs"},
+            r"solver: no solver 'hihgs' \(did you mean 'highs'\?\); there are auto, ",
+        ),
+        ({"phi": 0.5}, r"phi: .* no such parameter \(did you mean 'psi'\?\); it has psi"),
         ({"psi": 1.5}, "psi: 1.5; give a number from 0 to 1"),
         ({"psi": -0.01}, "psi: "),
         ({"psi": float("nan")}, "psi: nan"),
@@ -310,7 +313,7 @@ def test_what_is_asked_for_wrongly_is_an_input_error_that_names_it(
 
 def test_an_unknown_formulation_is_answered_with_those_there_are() -> None:
     with pytest.raises(
-        InputError, match=r"^model: no formulation 'cluster_two'; .*cluster_printed"
+        InputError, match=r"^model: no formulation 'cluster_two' .*there are .*cluster_printed"
     ):
         solve("cluster_two", cluster_data())
 

@@ -126,7 +126,9 @@ def test_an_unknown_option_is_refused_with_those_that_there_are() -> None:
 
 
 def test_an_unknown_preset_is_refused_with_those_that_there_are() -> None:
-    with pytest.raises(InputError, match="'author'; give one of paper, authors") as error:
+    with pytest.raises(
+        InputError, match=r"did you mean 'authors'\?\); give one of paper, authors"
+    ) as error:
         StagedOptions.of("author")
     assert error.value.field == "preset"
 

@@ -60,7 +60,7 @@ def test_files_are_found_from_the_studys_folder_and_each_once(tmp_path: Path) ->
     ("change", "says"),
     [
         (("title =", "titel ="), "title: is missing"),
-        (('"greedy"', '"greedi"'), "planners[0].planner: 'greedi'; give one of exact, greedy"),
+        (('"greedy"', '"greedi"'), "planners[0].planner: 'greedi' (did you mean 'greedy'?)"),
         (('"greedy"', '"greedy"\npsi = 0.5'), "planners[0].psi: planner greedy has no such option"),
         (('"greedy"', '"msmrta"\npsi = 1.5'), "planners[0].psi: 1.5; give a number from 0 to 1"),
         (('"greedy"', '"msmrta"\npsi = []'), "psi: no value; give at least one"),

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...mission.errors import InputError, ModelError
+from ...mission.suggestions import meant
 from .. import registry
 from ..program import Block, Program
 from ..registry import Formulation
@@ -133,7 +134,8 @@ def parameter_values(formulation: Formulation, parameters: dict[str, float]) -> 
         if name not in known:
             there = ", ".join(known) or "none"
             raise InputError(
-                f"{formulation.name} has no such parameter; it has {there}", field=name
+                f"{formulation.name} has no such parameter{meant(name, known)}; it has {there}",
+                field=name,
             )
         low, high = known[name].low, known[name].high
         number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)

@@ -10,6 +10,7 @@ import pkgutil
 from functools import cache
 
 from ...mission.errors import InputError
+from ...mission.suggestions import meant
 from .base import Ability, Options, Outcome, Solver
 
 __all__ = ["Ability", "Options", "Outcome", "Solver", "get", "solvers"]
@@ -36,5 +37,8 @@ def get(name: str) -> Solver:
     """
     known = solvers()
     if name not in known:
-        raise InputError(f"no solver {name!r}; there are auto, {', '.join(known)}", field="solver")
+        near = meant(name, ("auto", *known))
+        raise InputError(
+            f"no solver {name!r}{near}; there are auto, {', '.join(known)}", field="solver"
+        )
     return known[name]

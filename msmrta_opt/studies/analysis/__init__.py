@@ -1,8 +1,8 @@
 """What records say, and what plans do when options change.
 
-Of solves: `agreement` (contradictions), `regression` (against a baseline), `times` (shifted means, steps
-of the performance profile) and `profile` (its picture). Of formulations: `score` (by the plans they
-make), `choices` (who gets what), `witness` (a mission that tells two apart). Of the staged planner:
-`staging` (what each stage costs) with `staging_picture`, `tradeoff` (what ψ and β do) with
-`tradeoff_pictures` and `tradeoff_pages`.
+Of solves: `agreement` (contradictions), `regression` (against a baseline) with `regression_files` (for
+other programs), `times` (shifted means, steps of the performance profile) and `profile` (its picture).
+Of formulations: `score` (by the plans they make), `choices` (who gets what), `witness` (a mission that
+tells two apart). Of the staged planner: `staging` (what each stage costs) with `staging_picture`,
+`tradeoff` (what ψ and β do) with `tradeoff_pictures` and `tradeoff_pages`.
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from ...mission.errors import InputError, shown
@@ -19,10 +20,26 @@ SHORTEST_SECONDS = 0.1
 _PROVEN = ("optimal", "infeasible", "unbounded")
 
 
-def save_baseline(records: Sequence[Record], path: str | Path) -> None:
-    """Write the rows of `records` as a baseline, whole or not at all."""
-    document = {"format": FORMAT, "rows": documents_of(records)}
-    write_text(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+def save_baseline(
+    records: Sequence[Record], path: str | Path, *, before: Sequence[Record] = ()
+) -> None:
+    """Write `records` as a baseline, a row a line, whole or not at all.
+
+    What is not known is left out. Of a solve in which nothing changed since `before` that row stays, its
+    times, versions and node counts included, so that the difference of the two files is what changed.
+    """
+    old = {row.solve: row for row in before}
+    kept = [old[row.solve] if _is_unchanged(old.get(row.solve), row) else row for row in records]
+    rows = [
+        json.dumps({name: x for name, x in row.items() if x not in (None, "")}, allow_nan=False)
+        for row in documents_of(kept)
+    ]
+    head = json.dumps({"format": FORMAT})[:-1]
+    write_text(path, head + ', "rows": [\n' + ",\n".join(rows) + "\n]}\n")
+
+
+def _is_unchanged(old: Record | None, new: Record) -> bool:
+    return old is not None and not _differences(old, new, TOLERANCE) and not _noted(old, new)
 
 
 def read_baseline(path: str | Path) -> list[Record]:
@@ -50,6 +67,90 @@ def read_baseline(path: str | Path) -> list[Record]:
     return found
 
 
+@dataclass(frozen=True)
+class Change:
+    """One difference of a solve."""
+
+    solve: tuple[str, str | None, str | None, int | None]
+    """As `Record.solve`."""
+    name: str
+    """Of the solve, as people read it."""
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.what}"
+
+
+@dataclass(frozen=True)
+class Regression:
+    """Two comparisons of the same solves beside each other.
+
+    ``changes`` are differences of what is answered: a regression. ``notes`` are for information:
+    another solver version, node count, proof or size of a program.
+    """
+
+    before: tuple[Record, ...]
+    after: tuple[Record, ...]
+    changes: tuple[Change, ...]
+    notes: tuple[Change, ...]
+
+    @property
+    def lines(self) -> list[str]:
+        """The changes, a line each."""
+        return [str(change) for change in self.changes]
+
+    @property
+    def information(self) -> list[str]:
+        """The notes, a line each; what many solves have alike, such as a version, once."""
+        alike: dict[str, list[Change]] = {}
+        for note in self.notes:
+            alike.setdefault(note.what, []).append(note)
+        return [
+            str(notes[0]) if len(notes) == 1 else f"{what} (in {len(notes)} solves)"
+            for what, notes in alike.items()
+        ]
+
+    def __repr__(self) -> str:
+        counts = len(self.after), len(self.changes), len(self.notes)
+        return "Regression({} solves: {} changes, {} notes)".format(*counts)
+
+
+def regression(
+    before: Sequence[Record],
+    after: Sequence[Record],
+    *,
+    tolerance: float = TOLERANCE,
+    slower: float | None = None,
+) -> Regression:
+    """What is different in `after`.
+
+    A change is a status, an objective or a bound beyond `tolerance` (relative), a check, a solve that
+    is missing or new, and, if `slower` is given, a total time beyond that ratio.
+    """
+    old, new = ({row.solve: row for row in rows} for rows in (before, after))
+    found = [
+        Change(key, _name(row), "was there before, is missing")
+        for key, row in old.items()
+        if key not in new
+    ]
+    found += [
+        Change(key, _name(row), "was not there before")
+        for key, row in new.items()
+        if key not in old
+    ]
+    notes = []
+    for key, row in new.items():
+        was = old.get(key)
+        if was is None:
+            continue
+        differences = _differences(was, row, tolerance)
+        if slower is not None and _is_slower(was, row, slower):
+            differences.append(f"took {row.seconds:.3g} s, was {was.seconds:.3g} s")
+        found += [Change(key, _name(row), what) for what in differences]
+        notes += [Change(key, _name(row), what) for what in _noted(was, row)]
+    return Regression(tuple(before), tuple(after), tuple(found), tuple(notes))
+
+
 def changes(
     before: Sequence[Record],
     after: Sequence[Record],
@@ -57,25 +158,8 @@ def changes(
     tolerance: float = TOLERANCE,
     slower: float | None = None,
 ) -> list[str]:
-    """What is different in `after`, one line each.
-
-    A status, an objective or a bound beyond `tolerance` (relative), a check, a solve that is
-    missing or new, and, if `slower` is given, a total time beyond that ratio.
-    """
-    old, new = ({row.solve: row for row in rows} for rows in (before, after))
-    found = [
-        f"{_name(row)}: was there before, is missing" for key, row in old.items() if key not in new
-    ]
-    found += [f"{_name(row)}: was not there before" for key, row in new.items() if key not in old]
-    for key in (key for key in old if key in new):
-        found += [
-            f"{_name(new[key])}: {what}" for what in _differences(old[key], new[key], tolerance)
-        ]
-        if slower is not None and _is_slower(old[key], new[key], slower):
-            found.append(
-                f"{_name(new[key])}: took {new[key].seconds:.3g} s, was {old[key].seconds:.3g} s"
-            )
-    return found
+    """The changes of `regression`, one line each."""
+    return regression(before, after, tolerance=tolerance, slower=slower).lines
 
 
 def _name(row: Record) -> str:
@@ -98,6 +182,22 @@ def _differences(old: Record, new: Record, tolerance: float) -> list[str]:
         ):
             found.append(f"{name} {_number(is_)}, was {_number(was)}")
     return found
+
+
+def _noted(old: Record, new: Record) -> list[str]:
+    """What differs without being a change; what only one of both knows is none."""
+    both = {
+        new.solver or "solver": (old.solver_version, new.solver_version),
+        "nodes": (old.nodes, new.nodes),
+        "variables": (old.n_variables, new.n_variables),
+        "rows": (old.n_rows, new.n_rows),
+        "proof": (old.proof, new.proof),
+    }
+    return [
+        f"{name} {is_}, was {was}"
+        for name, (was, is_) in both.items()
+        if was not in (None, "") and is_ not in (None, "") and was != is_
+    ]
 
 
 def _number(value: float | None) -> str:

@@ -18,6 +18,7 @@ from ...mission.errors import InputError, MsmrtaError
 from ...mission.instance import Instance
 from ...mission.metrics import METRICS, Metrics
 from ...mission.plan import Plan
+from ...mission.suggestions import meant
 from ...optimise import registry
 from ...planners import plan as make_plan
 from ...stages.cluster_assignment import cluster_data
@@ -86,7 +87,9 @@ def score(
         If the staged planner has no such stage.
     """
     if stage not in STAGES:
-        raise InputError(f"{stage!r}; give one of {', '.join(STAGES)}", field="stage")
+        raise InputError(
+            f"{stage!r}{meant(stage, STAGES)}; give one of {', '.join(STAGES)}", field="stage"
+        )
     options = StagedOptions(**{**(options or StagedOptions()).as_dict(), STAGES[stage]: model})
     try:
         plan = make_plan(instance, **options.as_dict())

@@ -18,7 +18,7 @@ import numpy as np
 from ...interruption import interrupted
 from ...mission import display
 from ...mission.errors import InputError, MsmrtaError
-from ...mission.instance import Instance
+from ...mission.instance import Instance, require_mission
 from ...mission.metrics import Metrics, metrics_of
 from ...mission.plan import Plan
 from ...optimise import registry
@@ -144,6 +144,37 @@ class Tradeoff:
             for segment in self.segments
         ]
 
+    def document(self) -> dict[str, Any]:
+        """Everything, ready for JSON; breakpoints as exact fractions, too."""
+        return {
+            "over": self.over,
+            "model": self.model,
+            "sense": self.sense,
+            "exact": self.exact,
+            "breakpoints": [str(t) for t in self.breakpoints],
+            "pieces": self.rows,
+            "ties": [
+                {
+                    "at": str(t),
+                    "robots take": self.named(assignment),
+                    "all": t not in self.more_ties,
+                }
+                for t, assignments in self.ties.items()
+                for assignment in assignments
+            ],
+            "frontier": [
+                {
+                    "at 0": float(point.line.at_zero),
+                    "at 1": float(point.line.at_one),
+                    "supported": point.supported,
+                    "robots take": self.named(assignment),
+                }
+                for point, assignment in zip(
+                    self.frontier.points, self.frontier_assignments, strict=True
+                )
+            ],
+        }
+
     def to_frame(self) -> pd.DataFrame:
         """`rows` as a table; the exact ends are in `segments`."""
         import pandas as pd
@@ -211,6 +242,10 @@ class Regions:
             }
             for region in self.regions
         ]
+
+    def document(self) -> dict[str, Any]:
+        """Everything, ready for JSON."""
+        return {"exact": self.exact, "regions": self.rows}
 
     def to_frame(self) -> pd.DataFrame:
         """`rows` as a table; the exact ends are in `regions`."""
@@ -376,7 +411,7 @@ class _Problem:
     """One stage's formulation on a mission, solved for all values of its parameter."""
 
     def __init__(self, mission: Instance, over: str, model: str, settings: StagedOptions) -> None:
-        self.mission, self.over, self.settings = mission, over, settings
+        self.mission, self.over, self.settings = require_mission(mission), over, settings
         self.model = registry.get(model, stage=STAGE[over])
         self.data = stage_data(mission, STAGE[over], settings)
         self.family = Family(compile_for(self.model, self.data), over)

@@ -1,0 +1,37 @@
+"""What is wrong in Python is an error of the package's own types, in a line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import msmrta_opt as mo
+
+WRONG: dict[str, Callable[[], object]] = {
+    "a name for a mission, planned": lambda: mo.plan("paper"),  # type: ignore[arg-type]
+    "a name for a mission, its data": lambda: mo.stage_data("paper", "cluster"),  # type: ignore[arg-type]
+    "a name for a mission, compared": lambda: mo.compare(["paper"]),  # type: ignore[list-item]
+    "a name for a mission, traded off": lambda: mo.tradeoff("paper"),  # type: ignore[call-overload]
+    "an unknown planner": lambda: mo.plan(mo.example("corridor"), planner="best"),
+    "an unknown option": lambda: mo.plan(mo.example("corridor"), colour="red"),
+    "an unknown stage": lambda: mo.stage_data(mo.example("corridor"), "lunch"),
+    "an unknown example": lambda: mo.example("mine"),
+    "a map without cells": lambda: mo.GridMap(np.zeros((0, 3), dtype=bool)),
+    "an unknown parameter over which to trade off": lambda: mo.tradeoff(
+        mo.example("corridor"),
+        "phi",  # type: ignore[call-overload]
+    ),
+    "a study that is none": lambda: mo.study({}, "mine.toml"),
+    "a baseline that is none": lambda: mo.against_baseline("none.json", ["corridor"]),
+    "a robot that is none": lambda: mo.plan(mo.example("corridor"), planner="greedy").route(99),
+    "a table that is none": lambda: mo.plan(mo.example("corridor"), planner="greedy").to_frame("x"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_an_error_is_the_packages_own_and_a_line(what: str) -> None:
+    with pytest.raises(mo.MsmrtaError) as caught:
+        WRONG[what]()
+    assert str(caught.value).isprintable()
