@@ -65,7 +65,7 @@ def trial(number: int) -> Trial:
     """The program of that number."""
     random = np.random.default_rng(number)
     shape = SHAPES[number % len(SHAPES)]
-    many = number // len(SHAPES) % 3 == 0
+    many = number // len(SHAPES) % 5 == 0
     make = _wide if shape in BADLY_SCALED else _usual
     return make(random, shape, many=many)
 

@@ -98,6 +98,13 @@ class Verifier:
     def _holds(self, x: Floats | None) -> bool:
         return x is not None and not self.look_at(x).wrong
 
+    def _for_a_second_opinion(self) -> Options:
+        """What is left, and no more than some ten times of what the first opinion took."""
+        options = self._left()
+        limit = max(10.0, 10 * (time.perf_counter() - self.began))
+        left = limit if options.time_limit is None else min(options.time_limit, limit)
+        return replace(options, time_limit=left)
+
     @cached_property
     def _is_badly_scaled(self) -> bool:
         """Whether it is so as solvers get it."""
@@ -185,8 +192,9 @@ class Verifier:
             return name, replace(
                 outcome, proof="Farkas multipliers of the relaxation, in fractions"
             )
-        asked = [(name, replace(self._left(), presolve=False))] if name == "highs" else []
-        asked += [(other, self._left()) for other in _others(name, self.program)]
+        limited = self._for_a_second_opinion()
+        asked = [(name, replace(limited, presolve=False))] if name == "highs" else []
+        asked += [(other, limited) for other in _others(name, self.program)]
         agree = []
         for other, options in asked:
             try:
@@ -217,10 +225,8 @@ class Verifier:
 
     def _second_opinions(self, name: str) -> Iterator[tuple[str, Outcome]]:
         """Other solvers, and what each of them says with a point that holds."""
-        limit = max(10.0, 10 * (time.perf_counter() - self.began))
+        options = self._for_a_second_opinion()
         for other in _others(name, self.program):
-            options = self._left()
-            options = replace(options, time_limit=min(options.time_limit or limit, limit))
             try:
                 second = self._repaired(get(other).solve(self.tight, options))
             except SolverError:

@@ -9,6 +9,7 @@ the best plan and what is proven about it.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from numbers import Real
 from typing import Any
 
 from ..certify.certificates import STAGE as STAGE_OF_BOUNDS
@@ -89,8 +90,8 @@ def run(
     """
     aim, tuned = objective_of(objective), Parameters.of(parameters)
     for name, number in {"time_limit": time_limit, "gap": gap}.items():
-        if not number >= 0:
-            raise InputError(f"{number!r}; give 0 or more", field=name)
+        if not isinstance(number, Real) or isinstance(number, bool) or not number >= 0:
+            raise InputError(f"{number!r}; give a number, 0 or more", field=name)
     options = RoutingOptions(
         seed=seed,
         endurance=endurance,

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support.amounts import sample
@@ -264,14 +265,16 @@ def test_victims_that_the_scouts_do_not_find_are_left_out(instances_dir: Path) -
     "option",
     [
         {"time_limit": -1.0},
+        {"time_limit": "a"},
         {"gap": math.nan},
+        {"gap": True},
         {"endurance": math.nan},
         {"endurance": math.inf},
         {"longest_walk": -1},
     ],
 )
 def test_an_option_out_of_range_is_refused_by_name(
-    corridor: Instance, option: dict[str, float]
+    corridor: Instance, option: dict[str, Any]
 ) -> None:
     with pytest.raises(InputError) as refused:
         mo.plan(corridor, planner="exact", objective=None, **option)

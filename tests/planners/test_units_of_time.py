@@ -195,3 +195,14 @@ def test_a_service_of_next_to_nothing_is_not_nothing(instances_dir: Path) -> Non
         (found,) = recheck(made)
         assert found.problems == ()
         assert made.certificates[0].status == "optimal"
+
+
+@pytest.mark.parametrize("power", [-9, 0, 9])
+def test_first_routes_within_limits_do_not_depend_on_the_unit_of_time(power: int) -> None:
+    """The quick planners' routes take longer than 65, in which all can be served."""
+    limit = float(f"65.1e{power}")
+    made = mo.plan(in_unit(small(1), power), planner="exact", endurance=limit)
+    (certificate,) = made.certificates
+    assert certificate.status == "optimal"
+    assert certificate.objective == pytest.approx(107.5 * 10.0**power, rel=1e-9)
+    assert problems(made) == []
