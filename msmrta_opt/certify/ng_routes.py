@@ -34,6 +34,8 @@ NEVER = 1 << 61
 """The cost of what cannot be: two of them still are a number."""
 _MAX_CELLS = 40_000_000
 """States times steps of a robot, beyond which memory would run out."""
+_MAX_STEPS = 100_000
+"""Of a leg or a service: a robot of 1e-9 cells in a time unit would have no end of them."""
 _MAX_TASKS = 12
 """Of a robot at a victim; all sets of them are options."""
 
@@ -45,15 +47,16 @@ class Costed(Protocol):
         """If it is done at 0, 1, …, n - 1 times `step`."""
 
 
-def last_services(joint: Joint, robot: int, deadlines: Deadlines) -> dict[int, Fraction]:
-    """When a robot serves each of its victims at the latest."""
+def last_services(
+    joint: Joint, robot: int, deadlines: Deadlines, most: Fraction
+) -> dict[int, Fraction]:
+    """When a robot serves each of its victims at the latest, if no time is longer than `most`."""
     own = joint.victims_of[robot]
     longest = Fraction(0)
     for v in own:
-        longest += max(
-            joint.leave[robot, v], *(joint.travel(robot, v, w) for w in own if w != v), Fraction(0)
-        )
-        longest += sum(joint.service[v, k] for k in joint.kinds_of[robot, v])
+        ways = [joint.leave[robot, v], *(joint.travel(robot, v, w) for w in own if w != v)]
+        longest += min(max(ways), most)
+        longest += min(sum(joint.service[v, k] for k in joint.kinds_of[robot, v]), most)
     last = {}
     for v in own:
         limits = [longest]
@@ -104,7 +107,9 @@ class Network:
         if many := [v for v in victims if len(able[v]) > _MAX_TASKS]:
             raise CheckError(f"robot {robot} has too many tasks at victim {many[0]} to count with")
         self.options = [_options(able[v]) for v in victims]
-        latest = last_services(joint, robot, deadlines)
+        # What is longer may as well be as long: bounds only get lower.
+        most = step * _MAX_STEPS
+        latest = last_services(joint, robot, deadlines, most)
         lasts = [math.floor(latest[v] / step) for v in victims]
         self.last = max(0, *lasts)
         n_options = max(map(len, self.options))
@@ -115,7 +120,7 @@ class Network:
             self.open[i, : len(self.options[i]), : max(last + 1, 0)] = True
 
         def steps(time: Fraction) -> int:
-            return min(math.floor(time / step), self.last + 1)
+            return min(math.floor(min(time, most) / step), self.last + 1)
 
         self.service = [
             [

@@ -67,6 +67,13 @@ def test_no_planner_is_wrong_on_odd_missions(first: int) -> None:
     assert [line for n in range(first, first + EACH) for line in findings(n)] == []
 
 
+@pytest.mark.parametrize(("number", "time_limit"), [(2111, 0), (3067, 5)])
+def test_bounds_that_the_checker_did_not_prove_are_proved(number: int, time_limit: float) -> None:
+    """One robot is so slow that its legs are no part of a good plan, nor to be counted in steps."""
+    made = planners()["exact"].run(odd_mission(number), objective="latency", time_limit=time_limit)
+    assert wrong_with(made) == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(QUICK, LARGE, EACH))
 def test_no_planner_is_wrong_on_many_odd_missions(first: int) -> None:
