@@ -22,6 +22,8 @@ TIGHT = 1e-9
 """Difference up to which a bound equals the objective, relative to it or to the unit of `scaling`."""
 WIDE = 1e7
 """Ratio of numbers in one row from which tolerances of solvers hide the smaller."""
+PRECISION = 1e-14
+"""Relative, of sums of some products of floats."""
 LARGEST_EXACT = 2.0**53
 """Sums of whole numbers up to this are exact in floating point."""
 
@@ -263,7 +265,8 @@ def dual_bound(program: Program, duals: Floats) -> float:
     """The bound that dual values `duals` prove on the program's objective, by weak LP duality.
 
     Whatever the duals are, no feasible point is better; good duals make the bound tight. It is
-    infinite where a dual value has the wrong sign for a one-sided row or a free column.
+    infinite where a dual value has the wrong sign for a one-sided row or a free column. Where large
+    parts of it cancel out, it is lowered by what their rounding may be.
 
     Parameters
     ----------
@@ -276,8 +279,22 @@ def dual_bound(program: Program, duals: Floats) -> float:
     rounding = 1e-9 * float(np.abs(program.cost).max(initial=0.0))
     duals, of_rows = _leaning(duals, program.row_lower, program.row_upper, rounding)
     reduced = program.sign * program.cost - program.matrix.T @ duals
-    _, of_columns = _leaning(reduced, program.lower, program.upper, rounding)
-    return program.sign * (of_rows + of_columns) + program.offset
+    left, of_columns = _leaning(reduced, program.lower, program.upper, rounding)
+    least = of_rows + of_columns
+    parts = np.abs(program.cost) + np.abs(program.matrix).T @ np.abs(duals)
+    parts = np.where(left == 0, 0.0, parts)
+    size = parts @ _largest_end(program.lower, program.upper)
+    size += np.abs(duals) @ _largest_end(program.row_lower, program.row_upper)
+    error = PRECISION * float(size)
+    if error > TIGHT * abs(least):
+        least -= error
+    return program.sign * least + program.offset
+
+
+def _largest_end(lower: Floats, upper: Floats) -> Floats:
+    """The largest finite end of each, as a size."""
+    ends = (np.where(np.isfinite(end), np.abs(end), 0.0) for end in (lower, upper))
+    return np.maximum(*ends)
 
 
 def _leaning(weight: Floats, lower: Floats, upper: Floats, rounding: float) -> tuple[Floats, float]:

@@ -77,11 +77,14 @@ class Verifier:
             return name, outcome
         if not self._holds(outcome.x):
             return self._another(name, outcome) if own else (name, outcome)
-        if outcome.status == "optimal" and outcome.duals is None and self._is_badly_scaled:
-            if own:
-                return self._compared(name, outcome)
-            return name, self._claimed(f"{name} alone", outcome)
-        return name, outcome
+        if outcome.duals is not None or not self._is_badly_scaled:
+            return name, outcome
+        if outcome.status == "feasible":
+            said = f"{outcome.message}; without its bound: {VERY_DIFFERENT}"
+            return name, replace(outcome, bound=None, message=said)
+        if own:
+            return self._compared(name, outcome)
+        return name, self._claimed(f"{name} alone", outcome)
 
     def _left(self) -> Options:
         left = self.options.time_limit
