@@ -73,6 +73,11 @@ def folders() -> list[Path]:
     return [Path(path) for path in formulations.__path__]
 
 
+def is_shipped(formulation: Formulation) -> bool:
+    """Whether its file is one of the package's own."""
+    return str(formulation.path.parent) == formulations.__path__[0]
+
+
 def add_models(folder: str | Path) -> None:
     """Also find the formulations of `folder`.
 

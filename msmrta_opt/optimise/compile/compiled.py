@@ -112,7 +112,8 @@ class Compiled:
         require_numbers(self.formulation.name, program)
         if self._last is not None and program.differs_in_cost_alone(self._last):
             return replace(self._last, cost=program.cost, offset=program.offset)
-        check_program(self.formulation.name, program, self._read)
+        is_shipped = registry.is_shipped(self.formulation)
+        check_program(self.formulation.name, program, self._read, numbers_are_of_data=is_shipped)
         self._last, self._asked = program, False
         return program
 

@@ -79,8 +79,13 @@ def readings(data: object, columns: Sequence[Block]) -> tuple[Reading, ...]:
     return tuple(found)
 
 
-def check_program(name: str, program: Program, read: Sequence[Reading]) -> None:
+def check_program(
+    name: str, program: Program, read: Sequence[Reading], *, numbers_are_of_data: bool = False
+) -> None:
     """Refuse a program whose solutions a stage could not take as they are.
+
+    With `numbers_are_of_data` large coefficients are the mission's, for instance the travel time of a
+    very slow robot, and no big M of the modeller's; solving tightens them.
 
     Raises
     ------
@@ -104,7 +109,8 @@ def check_program(name: str, program: Program, read: Sequence[Reading]) -> None:
         inner = tightened(program)
         _check_zero_one(name, inner, read)
         _check_allowed(name, inner, read)
-    _check_big_m(name, program)
+    if not numbers_are_of_data:
+        _check_big_m(name, program)
 
 
 def broken(values: Mapping[str, NDArray[np.float64]], read: Sequence[Reading]) -> str:
