@@ -219,6 +219,14 @@ def test_playing_ends_with_the_mission(browser: Browser, page: Path) -> None:
     assert clock(browser) == 14.0
 
 
+def test_after_scouting_the_mission_is_played(browser: Browser, page: Path) -> None:
+    browser.open(page, at="step=6")
+    browser.press(" ")
+    wait_for(browser, "document.getElementById('clock').textContent.startsWith('t = ')")
+    browser.press(" ")
+    assert browser.run("location.hash").startswith("#t=")
+
+
 def test_where_motion_is_reduced_playing_goes_from_event_to_event(
     browser: Browser, page: Path
 ) -> None:

@@ -196,10 +196,8 @@ function neighbour(direction) {
 function play(isOn) {
   const [value, end] = extent();
   state.playing = isOn;
-  if (isOn && value >= end) {
-    if (state.phase === "mission" && steps >= 0) enter("scouting");
-    else go(0);
-  }
+  // From the end on it is played anew; from the end of scouting on, the mission follows.
+  if (isOn && value >= end && state.phase === "mission") enter(steps >= 0 ? "scouting" : "mission");
   state.last = performance.now();
   if (isOn) requestAnimationFrame(tick);
   else go(extent()[0]);
