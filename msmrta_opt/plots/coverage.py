@@ -14,8 +14,9 @@ from .legends import legend_below, mark_handle
 from .lettering import as_written
 from .placing import spread
 from .scouting import summary
-from .style import FAINT, INK
+from .style import FAINT, INK, SERIES
 
+LINE, FIND = SERIES[1:]
 NAMES_PER_STEP = 3
 """Victims found at one step that are named; more are counted."""
 
@@ -40,13 +41,13 @@ def plot_coverage(report: ScoutingReport, ax: Axes | None = None) -> Axes:
     percent = 100 * np.array(report.coverage)
     steps = np.arange(len(percent))
     last = max(len(percent) - 1, 1)
-    ax.plot(steps, percent, color="#0072B2", lw=1.8, marker="o" if last < 3 else "")
-    ax.fill_between(steps, percent, color="#0072B2", alpha=0.12, lw=0)
+    ax.plot(steps, percent, color=LINE, lw=1.8, marker="o" if last < 3 else "")
+    ax.fill_between(steps, percent, color=LINE, alpha=0.12, lw=0)
     ax.set(xlim=(-0.02 * last, 1.02 * last), ylim=(0, 124), yticks=range(0, 101, 20))
-    handles: list[Artist] = [Line2D([], [], color="#0072B2", lw=1.8, label="cells seen so far")]
+    handles: list[Artist] = [Line2D([], [], color=LINE, lw=1.8, label="cells seen so far")]
     if report.finds:
         _mark_finds(ax, report, last)
-        handles.append(mark_handle("o", "victim found (v: its number)", face="#D55E00"))
+        handles.append(mark_handle("o", "victim found (v: its number)", face=FIND))
     ax.set_xlabel("time (steps)", fontsize=8)
     ax.set_ylabel("coverage (% of the cells that can be seen)", fontsize=8)
     ax.tick_params(labelsize=7)
@@ -71,7 +72,7 @@ def _mark_finds(ax: Axes, report: ScoutingReport, last: int) -> None:
     letters = spread(steps, 1.25 * font * last / width, 0.0, float(last))
     for step, height, x in zip(steps, heights, letters, strict=True):
         ax.plot([step, step, x], [height, 100, 105], color=FAINT, lw=0.5, zorder=2)
-    ax.plot(steps, heights, "o", ms=4.5, mfc="#D55E00", mec=INK, mew=0.5, zorder=4)
+    ax.plot(steps, heights, "o", ms=4.5, mfc=FIND, mec=INK, mew=0.5, zorder=4)
     for victims, x in zip(found.values(), letters, strict=True):
         names = " ".join(f"v{victim}" for victim in victims)
         text = names if len(victims) <= NAMES_PER_STEP else f"{len(victims)} found"

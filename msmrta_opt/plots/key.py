@@ -9,7 +9,7 @@ from matplotlib.artist import Artist
 from matplotlib.legend import Legend
 
 from .figure import POINTS_PER_INCH, Page
-from .lettering import fitted, width_of
+from .lettering import HINTED, fitted, width_of
 
 FONT = 8.0
 LINE, HEAD = 0.172, 0.24
@@ -27,7 +27,7 @@ class Section:
 
     def pairs(self, width: float) -> bool:
         """Whether two entries fit side by side in so many points."""
-        words = (width_of(str(handle.get_label()), FONT) for handle in self.handles)
+        words = (HINTED * width_of(str(handle.get_label()), FONT) for handle in self.handles)
         return len(self.handles) > 2 and max(words) + SAMPLE + 8 <= width / 2
 
     def height(self, width: float) -> float:
@@ -61,7 +61,7 @@ def columns_below(sections: Sequence[Section], width: float) -> int:
     """Three columns, together `width` inches wide, if all words fit in them, else two."""
     words = [str(handle.get_label()) for section in sections for handle in section.handles]
     room = width / 3 * POINTS_PER_INCH - SAMPLE - 6
-    return 3 if all(width_of(text, FONT) <= room for text in words) else 2
+    return 3 if all(width_of(text, FONT) * HINTED <= room for text in words) else 2
 
 
 def key_height(sections: Sequence[Section], width: float, count: int) -> float:

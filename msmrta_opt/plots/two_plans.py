@@ -129,6 +129,8 @@ def _differences(before: Plan, after: Plan) -> str:
     for name in COMPARED:
         entry = METRICS[name]
         old, new = (float(getattr(plan.metrics, name)) for plan in (before, after))
+        if old == new and name == "n_served":
+            continue
         change = f"{old:.5g} → {new:.5g} ({new - old:+.3g})" if new != old else f"{old:.5g} in both"
         said.append(f"{entry.heading} {change}")
     return " · ".join(said)
