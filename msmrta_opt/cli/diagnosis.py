@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .missions import Json
+from .console import Json, write_json
 from .models import Folders, Options, Parameters, numbers, prepared
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def explain(
         time_limit=time_limit,
         **values,
     )
-    _write(json, found.as_dict())
+    write_json(json, found.as_dict(), what="explanation")
     say(found.text)
     if found.status == "unknown":
         if interrupted():
@@ -108,6 +108,7 @@ def diff(
     if witness_file is not None and not search:
         raise InputError("goes with --search", field="--witness")
     documents: dict[str, Any] = {}
+    texts: list[str] = []
     if instance is not None or not search:
         first, data, _ = _asked(model_a, instance, None, options, folders)
         second, _, _ = _asked(model_b, instance, None, options, folders)
@@ -115,12 +116,14 @@ def diff(
             first, second, data, time_limit=time_limit, **_shared(first, second, parameters)
         )
         documents["difference"] = found.as_dict()
-        say(found.text)
+        texts.append(found.text)
     if search:
-        documents["search"] = _search(
+        documents["search"], text = _search(
             model_a, model_b, tries, witness_file, parameters, options, folders
         )
-    _write(json, documents)
+        texts.append(text)
+    write_json(json, documents, what="difference")
+    say("\n".join(texts))
 
 
 def _search(
@@ -131,11 +134,11 @@ def _search(
     parameters: list[str] | None,
     options: list[str] | None,
     folders: list[Path] | None,
-) -> dict[str, Any]:
+) -> tuple[dict[str, Any], str]:
+    """The search as a document and in words; a witness is written to `file`."""
     from ..optimise import registry
     from ..stages.options import options_type
     from ..studies.analysis.witness import witness
-    from .console import say
     from .models import add_folders
     from .outputs import named_values
 
@@ -144,16 +147,17 @@ def _search(
     given = options_type(first.spec.stage).of(**named_values(options))
     values = _shared(first, second, parameters)
     found = witness(first, second, tries=tries, options=given, **values)
-    say(found.text)
+    text = found.text
     if found.mission is not None and file is not None:
         found.mission.save(file)
-        say(f"written to {file}")
-    return {
+        text += f"\nThe mission is written to {file}."
+    document = {
         "tried": found.tried,
         "failed": found.failed,
         "mission": None if found.mission is None else found.mission.name,
         "difference": None if found.difference is None else found.difference.as_dict(),
     }
+    return document, text
 
 
 def _shared(
@@ -223,13 +227,3 @@ def _weights(texts: list[str] | None) -> dict[str, float]:
         if not label:
             raise InputError(f"{text!r}; give LABEL=NUMBER", field="--weight")
     return found
-
-
-def _write(path: Path | None, document: dict[str, Any]) -> None:
-    import json
-
-    from ..mission.files import write_text
-
-    if path is not None:
-        write_text(path, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
-        typer.echo(f"written to {path}")

@@ -69,9 +69,8 @@ class Explanation:
         elif found.objective is None:
             parts.append(f"{self.name} is feasible; no solution was found in time.")
         else:
-            best = (
-                "optimal" if self.status == "optimal" else f"the best found, bound {found.bound:g}"
-            )
+            bound = "none" if found.bound is None else f"{found.bound:.9g}"
+            best = "optimal" if self.status == "optimal" else f"the best found, bound {bound}"
             parts.append(
                 f"{self.name} is feasible: {found.objective:.9g} ({found.sense}) is {best}, by"
                 f" {found.solver}{f', {found.proof}' if found.proof else ''}."
@@ -190,6 +189,7 @@ def _explained(
             given,
             program.flat(solution.values),
             summands=summands(asked),
+            is_proven=status == "optimal",
             time_limit=clock.left,
         )
         return Explanation(asked.name, status, solution, dangerous, why_not=against)

@@ -94,8 +94,8 @@ class WhyNot:
             head = f"Why not {asked}: it costs nothing, {self.objective:.9g} is the optimum, too."
         elif self.status == "unknown":
             head = (
-                f"Why not {asked}: {self.objective:.9g} was found, not proven to be the best, where"
-                f" {self.optimum:.9g} is the optimum."
+                f"Why not {asked}: {self.objective:.9g} was found with it, {self.optimum:.9g} without;"
+                " not both are proven to be the best."
             )
         else:
             head = (
@@ -127,6 +127,7 @@ def why_not(
     optimum: Floats,
     *,
     summands: Summands | None = None,
+    is_proven: bool = True,
     time_limit: float | None = None,
 ) -> WhyNot:
     """What stands against the values `given`.
@@ -141,6 +142,8 @@ def why_not(
         Its optimal solution.
     summands : callable, optional
         The summands of its objective at a point; see `terms`.
+    is_proven : bool
+        Whether that is known to be optimal.
     time_limit : float, optional
         Seconds.
     """
@@ -173,10 +176,11 @@ def why_not(
     value, best = program.value(x), program.value(optimum)
     loss = program.sign * (value - best)
     unit = SAME * max(abs(value - program.offset), abs(best - program.offset), 1e-9)
-    if abs(loss) <= unit:
+    if abs(loss) <= unit and is_proven:
         status: Literal["optimal", "costs", "unknown"] = "optimal"
     else:
-        status = "costs" if solution.status == "optimal" and loss > 0 else "unknown"
+        is_known = is_proven and solution.status == "optimal" and loss > 0
+        status = "costs" if is_known else "unknown"
     terms = _terms(program, optimum, x)
     return WhyNot(
         asked,

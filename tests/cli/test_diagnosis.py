@@ -171,7 +171,7 @@ def test_diff_shows_two_formulations_row_by_row_and_writes_json(
     line = ["diff", "cluster_one_to_one", "cluster_budgeted", paper_file, "--option", "budget=2"]
     assert msmrta(*line, "--param", "psi=0.5", "--json", out) == 0
     said = capsys.readouterr().out
-    assert said.startswith("cluster_one_to_one against cluster_budgeted:\n")
+    assert "cluster_one_to_one against cluster_budgeted:\n" in said
     assert "Rows of cluster_budgeted alone (4):\n  robot 0 keeps to its budget\n" in said
     found = json.loads(out.read_text())["difference"]
     assert found["rows_a"][0] == "as many pairs as can be"
@@ -225,3 +225,20 @@ def test_bad_input_of_diff_is_one_line(
     told = capsys.readouterr()
     assert problem in told.err
     assert (told.out, told.err.count("\n")) == ("", 1)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        ("explain", "cluster_fair", "MISSION"),
+        ("explain", "cluster_fair", "MISSION", "--why-not", "minimum=0"),
+        ("diff", "cluster_fair", "cluster_printed", "MISSION"),
+        ("diff", "cluster_fair", "cluster_fair", "--search", "--tries", "2"),
+    ],
+)
+def test_json_goes_to_standard_output_alone(
+    line: tuple[str, ...], msmrta: Run, corridor_file: Path, capsys: Said
+) -> None:
+    given = [str(corridor_file) if text == "MISSION" else text for text in line]
+    assert msmrta(*given, "--json", "-") == 0
+    assert json.loads(capsys.readouterr().out)

@@ -162,6 +162,13 @@ def test_what_cannot_be_read_is_one_line(asked: object, problem: str) -> None:
         fixings(program([[1, 1, 1]], 2, 1), asked)  # type: ignore[arg-type]
 
 
+def test_of_a_solution_that_is_not_proven_optimal_no_cost_is_claimed() -> None:
+    trial = program([[1, 1]], 1, [1, 2], sense="max")
+    found = why_not(trial, {0: 1.0}, np.array([0.0, 0.0]), is_proven=False)
+    assert (found.status, found.objective, found.optimum) == ("unknown", 1, 0)
+    assert found.text.splitlines()[0].endswith("not both are proven to be the best.")
+
+
 def test_values_as_rows_and_as_bounds_leave_the_same_points() -> None:
     trial = program([[1, 1, 1]], 2, [1, 2, 3], row_lower=1)
     given = {0: 1.0, 2: 0.0}
