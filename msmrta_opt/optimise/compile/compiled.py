@@ -112,8 +112,9 @@ class Compiled:
         require_numbers(self.formulation.name, program)
         if self._last is not None and program.differs_in_cost_alone(self._last):
             return replace(self._last, cost=program.cost, offset=program.offset)
-        is_shipped = registry.is_shipped(self.formulation)
-        check_program(self.formulation.name, program, self._read, numbers_are_of_data=is_shipped)
+        # A problem of no stage is under no contract: its big M is told by `explain`, not refused.
+        is_free = registry.is_shipped(self.formulation) or not self._read
+        check_program(self.formulation.name, program, self._read, numbers_are_of_data=is_free)
         self._last, self._asked = program, False
         return program
 
