@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from math import isqrt
 
 import numpy as np
 
 from ..arrays import Ints
 from ..mission.grid import Cell
 from ..mission.plan import Cluster, Plan
-from .walking import steps_from
+from .walking import StraightWalks
 
 CLOSE = 1e-9
 """Cells by which a centre may differ from the mean."""
@@ -37,6 +38,7 @@ def problems(plan: Plan, component: Ints) -> list[str]:
     known = {victim.id: victim.cell for victim in plan.known.victims}
     robots = {robot.id for robot in plan.instance.robots}
     wrong = _partition(plan, set(known))
+    straight = StraightWalks(plan.instance.map)
     for number, cluster in enumerate(plan.clusters):
         name = f"cluster {number}"
         wrong += [
@@ -48,7 +50,9 @@ def problems(plan: Plan, component: Ints) -> list[str]:
             wrong.append(f"{name} has no victim")
         elif set(cluster.victims) <= set(known):
             cells = {v: known[v] for v in cluster.victims}
-            wrong += (f"{name} {problem}" for problem in _place(plan, cluster, cells, component))
+            wrong += (
+                f"{name} {problem}" for problem in _place(plan, cluster, cells, component, straight)
+            )
     return wrong
 
 
@@ -71,7 +75,11 @@ def _partition(plan: Plan, known: set[int]) -> list[str]:
 
 
 def _place(
-    plan: Plan, cluster: Cluster, cells: Mapping[int, Cell], component: Ints
+    plan: Plan,
+    cluster: Cluster,
+    cells: Mapping[int, Cell],
+    component: Ints,
+    straight: StraightWalks,
 ) -> Iterator[str]:
     """What is wrong with where a cluster is said to be, and with whom it defers."""
     mean = [sum(axis) / len(cells) for axis in zip(*cells.values(), strict=True)]
@@ -83,24 +91,30 @@ def _place(
         yield f"is stood for by {stands}, from which no member can be reached"
         return
     if plan.planner == "msmrta" and plan.options.get("clustering_model") is None:
-        nearest = _nearest(list(cells.values()), own, component)
+        nearest = _nearest(list(cells.values()), own, component, stands)
         if stands != nearest:
             yield f"is stood for by {stands}, which should be {nearest}"
     deferred = set(cluster.deferred)
     if strange := sorted(deferred - set(cells)):
         yield f"defers victim {strange[0]}, which is no member"
-    straight = {v: abs(a - stands[0]) + abs(b - stands[1]) for v, (a, b) in cells.items()}
-    steps = steps_from(plan.instance.map, stands, up_to=max(straight.values()))
+    near = straight.from_cell(stands, cells.values())
     for v, cell in cells.items():
-        if (v in deferred) != (steps.get(cell) != straight[v]):
+        if (v in deferred) != (cell not in near):
             said = "defers" if v in deferred else "does not defer"
             walk = "as short as without walls" if v in deferred else "longer than without walls"
             yield f"{said} victim {v}, whose walk is {walk}"
 
 
-def _nearest(members: list[Cell], own: set[int], component: Ints) -> Cell:
-    """The nearest cell to the mean of `members` from which one of them can be reached."""
+def _nearest(members: list[Cell], own: set[int], component: Ints, one: Cell) -> Cell:
+    """The nearest cell to the mean of `members` from which one of them can be reached.
+
+    It is no farther than `one` from which they can, so within a square around the mean.
+    """
     n, (row, col) = len(members), map(sum, zip(*members, strict=True))
-    rows, cols = np.nonzero(np.isin(component, list(own)))
-    first = int(((n * rows - row) ** 2 + (n * cols - col) ** 2).argmin())  # row-major, so ties too
-    return int(rows[first]), int(cols[first])
+    far = isqrt((n * one[0] - row) ** 2 + (n * one[1] - col) ** 2) + 1
+    first = max((row - far) // n, 0), max((col - far) // n, 0)
+    square = component[first[0] : (row + far) // n + 2, first[1] : (col + far) // n + 2]
+    rows, cols = np.nonzero(np.isin(square, list(own)))
+    rows, cols = rows + first[0], cols + first[1]
+    least = int(((n * rows - row) ** 2 + (n * cols - col) ** 2).argmin())  # row-major, so ties too
+    return int(rows[least]), int(cols[least])

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 
 import numpy as np
 
-from ..arrays import Ints
+from ..arrays import Bools, Ints
 from ..mission.grid import Cell, GridMap
 
 
-def steps_from(grid: GridMap, start: Cell, up_to: float = math.inf) -> dict[Cell, int]:
-    """Moves from `start` to each cell that can be reached in no more than `up_to`."""
+def steps_from(grid: GridMap, start: Cell) -> dict[Cell, int]:
+    """Moves from `start` to each cell that can be reached."""
     free = grid.free.tolist()
     n_rows, n_cols = grid.shape
     steps = {start: 0}
     border = [start]
-    while border and steps[border[0]] < up_to:
+    while border:
         onward = []
         for row, col in border:
             for cell in ((row + 1, col), (row - 1, col), (row, col + 1), (row, col - 1)):
@@ -28,6 +27,46 @@ def steps_from(grid: GridMap, start: Cell, up_to: float = math.inf) -> dict[Cell
                     onward.append(cell)
         border = onward
     return steps
+
+
+class StraightWalks:
+    """Which cells of a map are joined by a walk that is as short as without walls.
+
+    Such a walk makes moves in no more than two directions. So it is looked for row by row, where a row
+    of cells is the bits of a number, and to add the cells where it may begin to those that are free
+    carries along all that are free in a run from there.
+    """
+
+    def __init__(self, grid: GridMap) -> None:
+        self._n_cols = grid.shape[1]
+        self._rows = {sign: _bits(grid.free[:, ::sign]) for sign in (1, -1)}
+
+    def from_cell(self, start: Cell, goals: Iterable[Cell]) -> set[Cell]:
+        """Those of `goals` to which such a walk leads from `start`."""
+        ways: dict[tuple[int, int], list[Cell]] = {}
+        for row, col in goals:
+            way = (1 if row >= start[0] else -1, 1 if col >= start[1] else -1)
+            ways.setdefault(way, []).append((row, col))
+        return {cell for way, cells in ways.items() for cell in self._along(start, way, cells)}
+
+    def _along(self, start: Cell, way: tuple[int, int], goals: list[Cell]) -> Iterator[Cell]:
+        down, right = way
+        free, at = self._rows[right], self._n_cols - 1 if right < 0 else 0
+        here = 1 << abs(at - start[1])
+        last, joined = max(goals, key=lambda cell: abs(cell[0] - start[0]))[0], {}
+        for row in range(start[0], last + down, down):
+            here &= free[row]
+            here = (((free[row] + here) ^ free[row]) | here) & free[row]
+            joined[row] = here
+        for cell in goals:
+            if joined[cell[0]] >> abs(at - cell[1]) & 1:
+                yield cell
+
+
+def _bits(free: Bools) -> list[int]:
+    """The rows of a table, its first column the lowest bit."""
+    packed = np.packbits(free, axis=1, bitorder="little")
+    return [int.from_bytes(row.tobytes(), "little") for row in packed]
 
 
 def are_legal(grid: GridMap, walks: Sequence[Sequence[Cell]]) -> bool:

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
 from . import display
 from .errors import InputError, all_of, shown
@@ -93,11 +93,15 @@ class Instance(_Record):
     victims: tuple[Victim, ...] = ()
     scouts: tuple[Scout, ...] = ()
     clusters: tuple[Id, ...] | None = None
+    _looked_at: int = PrivateAttr(0)
 
     @model_validator(mode="after")
     def _refers_to_what_exists(self) -> Self:
+        if self._looked_at == id(self):  # every plan for it asks again; a changed copy is another
+            return self
         if wrong := list(mistakes(self)):
             raise all_of(wrong)
+        self._looked_at = id(self)
         return self
 
     def __eq__(self, other: object) -> bool:

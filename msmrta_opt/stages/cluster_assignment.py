@@ -112,12 +112,11 @@ def cluster_assignment(
 
 def behind_walls(situation: Situation, clusters: Clustering) -> frozenset[int]:
     """The victims whose walk from their cluster's centre is longer than without walls."""
-    order = np.argsort(clusters.labels, kind="stable").tolist()
-    centres = [clusters.cells[clusters.labels[v]] for v in order]
-    cells = [situation.instance.cells[v] for v in order]
-    walked = situation.distances.lengths(centres, cells)
-    ways = zip(order, walked, centres, cells, strict=True)
-    return frozenset(v for v, length, a, b in ways if length > manhattan(a, b))
+    order = np.argsort(clusters.labels, kind="stable")
+    cells = np.array(situation.instance.cells, dtype=np.int64).reshape(-1, 2)[order]
+    centres = np.array(clusters.cells, dtype=np.int64).reshape(-1, 2)[clusters.labels[order]]
+    walked = situation.instance.map.lengths(centres, cells)
+    return frozenset(order[walked > np.abs(cells - centres).sum(axis=1)].tolist())
 
 
 def served_members(
@@ -131,20 +130,15 @@ def served_members(
 ) -> list[Stop]:
     """What `robot` serves in `cluster`, by Manhattan distance from the centre, then by victim."""
     instance, centre = situation.instance, clusters.cells[cluster]
-    candidates = [
-        v
-        for v in clusters.members(cluster)
-        if v not in deferred
-        and situation.able[robot, v].any()
-        and (options.members == "all" or analysis.partial[robot, v])
-    ]
-    candidates.sort(key=lambda v: (manhattan(centre, instance.cells[v]), v))
-    return [
-        Stop(robot, instance.cells[v], STAGE, v, kinds(situation.able[robot, v]))
-        for v in candidates
-    ]
+    able, served = situation.able[robot], {}
+    for v in clusters.members(cluster):
+        does = kinds(able[v])
+        if does and v not in deferred and (options.members == "all" or analysis.partial[robot, v]):
+            served[v] = does
+    order = sorted(served, key=lambda v: (manhattan(centre, instance.cells[v]), v))
+    return [Stop(robot, instance.cells[v], STAGE, v, served[v]) for v in order]
 
 
 def kinds(row: NDArray[np.bool_]) -> tuple[int, ...]:
     """Positions of the kinds that are set in a row of shape ``(n_kinds,)``."""
-    return tuple(int(k) for k in np.flatnonzero(row))
+    return tuple(row.nonzero()[0].tolist())

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Int32s
 from ..mission.grid import Cell
 from ..optimise import registry
 from ..optimise.data import ClusteringData
@@ -92,7 +93,8 @@ def clustering(situation: Situation, options: StagedOptions) -> Clustering:
     # Scouts may not have found any member of a pinned cluster, so labels are made consecutive.
     _, labels = np.unique(labels, return_inverse=True)
     centres = _means(locations, labels)
-    cells = [_centre_cell(situation, labels == c) for c in range(len(centres))]
+    component, places = instance.map.component, locations.astype(np.int64)
+    cells = [_centre_cell(component, places[labels == c]) for c in range(len(centres))]
     return Clustering(labels.astype(np.int64), centres, cells, pinned)
 
 
@@ -141,15 +143,22 @@ def _means(locations: NDArray[np.float64], labels: NDArray[np.int64]) -> NDArray
     return np.stack([np.bincount(labels, weights=axis) / count for axis in locations.T], axis=1)
 
 
-def _centre_cell(situation: Situation, members: NDArray[np.bool_]) -> Cell:
+def _centre_cell(component: Int32s, members: NDArray[np.int64]) -> Cell:
     """The nearest cell to the mean of `members` from which one of them can be reached.
 
-    Ties go to the smallest row, then column.
+    Ties go to the smallest row, then column. It is looked for around the mean, farther and farther.
     """
-    component = situation.instance.map.component
-    own = np.array(situation.instance.cells)[members]
-    cells = np.argwhere(np.isin(component, component[own[:, 0], own[:, 1]]))
-    # Whole numbers, since rounding of the mean would break ties at random.
-    far = ((len(own) * cells - own.sum(axis=0)) ** 2).sum(axis=1)
-    row, col = cells[far.argmin()]
-    return int(row), int(col)
+    own = np.unique(component[members[:, 0], members[:, 1]])
+    n, total = len(members), members.sum(axis=0)
+    mean, reach = total // n, 4
+    while True:
+        first = np.maximum(mean - reach, 0)
+        near = component[first[0] : mean[0] + reach + 2, first[1] : mean[1] + reach + 2]
+        rows, cols = np.nonzero(near == own[0] if len(own) == 1 else np.isin(near, own))
+        if len(rows):
+            # Whole numbers, since rounding of the mean would break ties at random.
+            far = (n * (rows + first[0]) - total[0]) ** 2 + (n * (cols + first[1]) - total[1]) ** 2
+            nearest = int(far.argmin())
+            if far[nearest] <= (n * reach) ** 2:
+                return int(rows[nearest] + first[0]), int(cols[nearest] + first[1])
+        reach *= 4

@@ -32,11 +32,16 @@ def path_planning(instance: Instance, stops: Sequence[Stop]) -> tuple[Route, ...
     for robot, queue in zip(instance.robots, queues, strict=True):
         starts += [robot.start, *(stop.cell for stop in queue[:-1])][: len(queue)]
     walks = iter(instance.map.walks(starts, [stop.cell for queue in queues for stop in queue]))
-    return tuple(_route(instance, r, queue, walks) for r, queue in enumerate(queues))
+    service = instance.service.tolist()
+    return tuple(_route(instance, r, queue, walks, service) for r, queue in enumerate(queues))
 
 
 def _route(
-    instance: Instance, robot: int, stops: Sequence[Stop], walks: Iterator[list[Cell]]
+    instance: Instance,
+    robot: int,
+    stops: Sequence[Stop],
+    walks: Iterator[list[Cell]],
+    service: list[list[float]],
 ) -> Route:
     record = instance.robots[robot]
     visits: list[Visit] = []
@@ -50,9 +55,13 @@ def _route(
         if stop.victim is None:
             continue
         arrival = clock + (len(leg) - 1) / record.speed
-        clock = arrival + float(instance.service[stop.victim, list(stop.kinds)].sum())
+        serving = 0.0
+        for k in stop.kinds:
+            serving += service[stop.victim][k]
+        clock = arrival + serving
+        # Nothing of it comes from outside, and the plan is checked.
         visits.append(
-            Visit(
+            Visit.model_construct(
                 victim=instance.victims[stop.victim].id,
                 served=tuple(instance.capabilities[k] for k in stop.kinds),
                 stage=stop.stage,

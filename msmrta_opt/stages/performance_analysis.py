@@ -79,8 +79,9 @@ def lost_so_far(situation: Situation, stops: Sequence[Stop]) -> NDArray[np.float
     """Available service time that each robot left to others at the victims it visited."""
     instance = situation.instance
     record = np.zeros(instance.n_robots)
-    for stop in stops:
-        if stop.victim is not None:
-            left = situation.available[stop.victim] & ~instance.P[stop.robot]
-            record[stop.robot] += instance.service[stop.victim, left].sum()
+    visits = [(stop.robot, stop.victim) for stop in stops if stop.victim is not None]
+    if visits:
+        robots, victims = np.array(visits).T
+        left = situation.available[victims] & ~instance.P[robots]
+        np.add.at(record, robots, (instance.service[victims] * left).sum(axis=1))
     return record

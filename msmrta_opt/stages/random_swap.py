@@ -12,45 +12,76 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Floats, Ints
+from ..arrays import Bools, Floats, Ints
 from ..compiled import inlined, kernel
 
+MANY = 4
+"""From one part of so many of the centres on, all are looked at."""
 TRIAL, LONGEST = 3, 300
 """Iterations of Lloyd's algorithm after a swap, and of one that is followed to its end."""
 
 
 @inlined
-def _lloyd(points: Floats, centres: Floats, labels: Ints, iterations: int) -> float:
+def _lloyd(
+    points: Floats,
+    centres: Floats,
+    labels: Ints,
+    least: Floats,
+    moved: Bools,
+    iterations: int,
+    is_fresh: bool,
+) -> float:
     """Move `centres` for so many iterations, or to their end; the sum of squares before the last.
 
-    A cluster without points gets the point that is farthest from its centre.
+    `labels` and `least` are the nearest centres of all points, and the squares of their distances, when
+    none but those had `moved` that have since: only these, or all if its own has, may be nearer now. A
+    cluster without points gets the point that is farthest from its centre. What `is_fresh` does not end
+    with its first iteration.
     """
     total = np.inf
-    for _ in range(iterations):
+    movers = np.empty(len(centres), np.int64)
+    for iteration in range(iterations):
         sums, count = np.zeros_like(centres), np.zeros(len(centres), np.int64)
-        changed, total, longest, farthest = False, 0.0, -1.0, 0
+        changed, total, longest, farthest = is_fresh and iteration == 0, 0.0, -1.0, 0
+        n_movers = 0
+        for c in range(len(centres)):
+            if moved[c]:
+                movers[n_movers] = c
+                n_movers += 1
+        every = MANY * n_movers > len(centres)  # not worth a look at each
         for i in range(len(points)):
-            nearest, least = 0, np.inf
-            for c in range(len(centres)):
-                dx, dy = points[i, 0] - centres[c, 0], points[i, 1] - centres[c, 1]
-                square = dx * dx + dy * dy
-                if square < least:
-                    nearest, least = c, square
-            changed |= labels[i] != nearest
-            labels[i] = nearest
+            own, x, y = labels[i], points[i, 0], points[i, 1]
+            if every or own < 0 or moved[own]:
+                nearest, shortest = 0, np.inf
+                for c in range(len(centres)):
+                    dx, dy = x - centres[c, 0], y - centres[c, 1]
+                    square = dx * dx + dy * dy
+                    if square < shortest:
+                        nearest, shortest = c, square
+            else:
+                nearest, shortest = own, least[i]
+                for c in movers[:n_movers]:
+                    dx, dy = x - centres[c, 0], y - centres[c, 1]
+                    square = dx * dx + dy * dy
+                    if square < shortest or (square == shortest and c < nearest):
+                        nearest, shortest = c, square
+            changed |= own != nearest
+            labels[i], least[i] = nearest, shortest
             count[nearest] += 1
-            sums[nearest, 0] += points[i, 0]
-            sums[nearest, 1] += points[i, 1]
-            total += least
-            if least > longest:
-                longest, farthest = least, i
+            sums[nearest, 0] += x
+            sums[nearest, 1] += y
+            total += shortest
+            if shortest > longest:
+                longest, farthest = shortest, i
+        moved[:] = False
         if not changed:
             break
         for c in range(len(centres)):
+            x, y = points[farthest, 0], points[farthest, 1]
             if count[c]:
-                centres[c] = sums[c] / count[c]
-            else:
-                centres[c] = points[farthest]
+                x, y = sums[c, 0] / count[c], sums[c, 1] / count[c]
+            moved[c] = x != centres[c, 0] or y != centres[c, 1]
+            centres[c, 0], centres[c, 1] = x, y
     return total
 
 
@@ -69,14 +100,18 @@ def centres(points: Floats, k: int, swaps: int, seed: int) -> Floats:
     """
     np.random.seed(seed)
     best = points[np.random.permutation(len(points))[:k]]
-    labels = np.full(len(points), -1)
-    least = _lloyd(points, best, labels, LONGEST)
+    best_labels, best_least = np.full(len(points), -1), np.zeros(len(points))
+    best_moved = np.zeros(k, np.bool_)
+    least = _lloyd(points, best, best_labels, best_least, best_moved, LONGEST, True)
     for _ in range(swaps):
-        trial = best.copy()
-        trial[np.random.randint(k)] = points[np.random.randint(len(points))]
-        labels[:] = -1
-        total = _lloyd(points, trial, labels, TRIAL)
+        trial, labels, squares = best.copy(), best_labels.copy(), best_least.copy()
+        moved = best_moved.copy()
+        point, c = np.random.randint(len(points)), np.random.randint(k)
+        trial[c] = points[point]
+        moved[c] = True
+        total = _lloyd(points, trial, labels, squares, moved, TRIAL, True)
         # Rounding must not make of equal partitions better ones.
         if total < least * (1 - 1e-9):
-            best, least = trial, _lloyd(points, trial, labels, LONGEST)
+            least = _lloyd(points, trial, labels, squares, moved, LONGEST, False)
+            best, best_labels, best_least, best_moved = trial, labels, squares, moved
     return best

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .cluster_assignment import kinds
 from .options import StagedOptions
 from .requirement_analysis import RequirementAnalysis
 from .situation import Situation, Stop
@@ -43,29 +44,38 @@ def robot_assignment(
     instance = situation.instance
     ends, _ = situation.after(stops)
     bids = situation.distances.between(ends, instance.cells)
+    victims = np.flatnonzero(remaining.any(axis=1)).tolist()
+    sealed = _winners(bids, situation.able) if options.award == "sealed" else None
     awarded: list[Stop] = []
-    for v in (int(v) for v in np.flatnonzero(remaining.any(axis=1))):
-        announced = [int(k) for k in np.flatnonzero(remaining[v])]
+    for v in victims:
+        announced = kinds(remaining[v])
         offers = bids[:, v].copy()
         won: dict[int, list[int]] = {}
         for k in announced:
-            robot = _winner(offers, situation.able[:, v, k])
-            won.setdefault(robot, []).append(k)
-            if options.award == "sequential":
+            if sealed is None:
+                robot = int(
+                    _winners(offers[:, None], situation.able[:, v : v + 1, k : k + 1])[0, 0]
+                )
                 offers[robot] = 0.0
+            else:
+                robot = int(sealed[v, k])
+            won.setdefault(robot, []).append(k)
         # The nearest robot that fully satisfies a victim wins every kind of it that it wins at all,
         # so there is at most one such winner.
         for robot in [robot for robot in won if analysis.full[robot, v]]:
-            won = {robot: announced}
-        if options.award == "sequential":
+            won = {robot: list(announced)}
+        if sealed is None:
             field = situation.distances.between([instance.cells[v]], instance.cells)[0]
             bids[list(won)] = field
         awarded.extend(
-            Stop(robot, instance.cells[v], STAGE, v, tuple(kinds)) for robot, kinds in won.items()
+            Stop(robot, instance.cells[v], STAGE, v, tuple(own)) for robot, own in won.items()
         )
     return awarded
 
 
-def _winner(bids: NDArray[np.float64], potential: NDArray[np.bool_]) -> int:
-    """The potential robot with the lowest bid, ties to the first; both of shape ``(n_robots,)``."""
-    return int(np.where(potential, bids, np.inf).argmin())
+def _winners(bids: NDArray[np.float64], potential: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """The potential robot with the lowest bid for each requirement, ties to the first.
+
+    `bids` are of shape ``(n_robots, n_victims)``, `potential` of ``(n_robots, n_victims, n_kinds)``.
+    """
+    return np.asarray(np.where(potential, bids[:, :, None], np.inf).argmin(axis=0))
