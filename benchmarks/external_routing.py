@@ -64,7 +64,7 @@ def one_kind(lengths: Floats, n_robots: int, *, return_to_start: bool) -> Routin
     leave = np.tile(lengths[0, 1:], (n_robots, 1))
     return RoutingData(
         leave=leave,
-        between=np.tile(lengths[1:, 1:], (n_robots, 1, 1)),
+        length=lengths[None, 1:, 1:],
         back=leave if return_to_start else np.zeros_like(leave),
         service=np.zeros((n_victims, 1)),
         able=np.ones((n_robots, n_victims, 1), dtype=bool),

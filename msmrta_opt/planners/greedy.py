@@ -9,6 +9,7 @@ from ..mission.plan import Plan
 from ..stages.cluster_assignment import kinds
 from ..stages.situation import Situation, Stop
 from .support.baseline import plan_by
+from .support.lowest_bids import LowestBids
 from .support.planner import Planner
 
 
@@ -27,15 +28,16 @@ def allocate(situation: Situation) -> list[Stop]:
     instance = situation.instance
     remaining = situation.available.copy()
     walk = situation.distances.between(instance.starts, instance.cells)
+    lowest = LowestBids(np.where(situation.able.any(axis=2), walk, np.inf))
     stops: list[Stop] = []
     while remaining.any():
-        useful = (situation.able & remaining).any(axis=2)
-        reach = np.where(useful, walk, np.inf)
-        robot, v = (int(i) for i in np.unravel_index(reach.argmin(), reach.shape))
+        robot, v = lowest.next()
         served = situation.able[robot, v] & remaining[v]
         stops.append(Stop(robot, instance.cells[v], "greedy", v, kinds(served)))
         remaining[v] &= ~served
-        walk[robot] = situation.distances.between([instance.cells[v]], instance.cells)[0]
+        lowest.withdraw(v, ~(situation.able[:, v] & remaining[v]).any(axis=1))
+        walks = situation.distances.between([instance.cells[v]], instance.cells)[0]
+        lowest.bid(robot, np.where(np.isfinite(lowest.bids[robot]), walks, np.inf))
     return stops
 
 

@@ -17,6 +17,7 @@ from ..mission.instance import Instance
 from ..mission.plan import Plan
 from ..stages.situation import Situation, Stop
 from .support.baseline import plan_by
+from .support.lowest_bids import LowestBids
 from .support.planner import Planner
 
 
@@ -28,45 +29,81 @@ def run(instance: Instance, *, seed: int = 0) -> Plan:
 def allocate(situation: Situation) -> list[Stop]:
     """Queue every available requirement; ties: first robot, then first victim, then first kind."""
     instance = situation.instance
-    remaining = situation.available.copy()
+    remaining, shape = situation.available.copy(), situation.available.shape
     to_first = situation.distances.between(instance.starts, instance.cells)
     between = situation.distances.between(instance.cells, instance.cells)
-    routes: list[list[int]] = [[] for _ in instance.robots]
+    insertions = [_Insertions(to_first[r], between) for r in range(instance.n_robots)]
     served: dict[tuple[int, int], list[int]] = {}
-    detour = to_first / instance.speed[:, None]
-    place = np.zeros(to_first.shape, dtype=np.int64)
+
+    def bids(robot: int) -> NDArray[np.float64]:
+        detour = insertions[robot].cheapest() / instance.speed[robot]
+        asked = situation.able[robot] & remaining
+        return np.where(asked, detour[:, None] + instance.service, np.inf).ravel()
+
+    lowest = LowestBids(np.array([bids(r) for r in range(instance.n_robots)]))
     while remaining.any():
-        bids = detour[:, :, None] + instance.service[None]
-        bids = np.where(situation.able & remaining, bids, np.inf)
-        robot, v, k = (int(i) for i in np.unravel_index(bids.argmin(), bids.shape))
+        robot, requirement = lowest.next()
+        v, k = (int(i) for i in np.unravel_index(requirement, shape))
         remaining[v, k] = False
-        if v not in routes[robot]:
-            routes[robot].insert(int(place[robot, v]), v)
-            added, place[robot] = _cheapest_insertions(to_first[robot], between, routes[robot])
-            detour[robot] = added / instance.speed[robot]
+        if v not in insertions[robot].route:
+            insertions[robot].insert(v)
+        lowest.withdraw(requirement, np.ones(instance.n_robots, dtype=bool))
+        lowest.bid(robot, bids(robot))
         served.setdefault((robot, v), []).append(k)
     return [
         Stop(robot, instance.cells[v], "SSI", v, tuple(served[robot, v]))
-        for robot, route in enumerate(routes)
-        for v in route
+        for robot, own in enumerate(insertions)
+        for v in own.route
     ]
 
 
-def _cheapest_insertions(
-    to_first: NDArray[np.float64], between: NDArray[np.float64], route: list[int]
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+class _Insertions:
     """What visiting each victim would add to an open route, in cells, and at which place.
 
-    Victims on the route add nothing. Both of shape ``(n_victims,)``.
+    Parameters
+    ----------
+    to_first : float array, shape (n_victims,)
+        From the robot's start, in cells.
+    between : float array, shape (n_victims, n_victims)
+        Between victims, in cells.
     """
-    before = np.vstack([to_first, between[route]])
-    after = np.vstack([between[route], np.zeros_like(to_first)])
-    legs = np.array([to_first[route[0]], *between[route[:-1], route[1:]], 0.0])
-    added = before + after - legs[:, None]
-    place = added.argmin(axis=0)
-    cheapest = added[place, np.arange(len(to_first))]
-    cheapest[route] = 0.0
-    return cheapest, place
+
+    def __init__(self, to_first: NDArray[np.float64], between: NDArray[np.float64]) -> None:
+        self._to_first, self._between = to_first, between
+        self.route: list[int] = []
+        self._added = to_first.copy()
+        self._place = np.zeros(len(to_first), dtype=np.int64)
+
+    def cheapest(self) -> NDArray[np.float64]:
+        """What each victim adds, ``(n_victims,)``; those on the route add nothing."""
+        added = self._added.copy()
+        added[self.route] = 0.0
+        return added
+
+    def insert(self, v: int) -> None:
+        """Visit `v` where it adds least, at the first such place."""
+        at = int(self._place[v])
+        self.route.insert(at, v)
+        lost = np.flatnonzero(self._place == at)
+        self._place[self._place > at] += 1
+        for place in (at, at + 1):
+            added = self._adds(place, slice(None))
+            equal = (added == self._added) & (place < self._place)
+            better = (added < self._added) | equal
+            self._added[better], self._place[better] = added[better], place
+        # Where the place that was best is none any more, all are looked at.
+        every = np.array([self._adds(place, lost) for place in range(len(self.route) + 1)])
+        self._place[lost] = every.argmin(axis=0)
+        self._added[lost] = every.min(axis=0)
+
+    def _adds(self, place: int, victims: NDArray[np.int64] | slice) -> NDArray[np.float64]:
+        """What `victims` add at a place of the route."""
+        route, between = self.route, self._between
+        before = between[route[place - 1]] if place else self._to_first
+        if place == len(route):
+            return np.asarray(before[victims])
+        after = route[place]
+        return np.asarray(before[victims] + between[after][victims] - before[after])
 
 
 PLANNER = Planner("ssi", "sequential single-item auctions (Koenig et al.)", run)

@@ -51,12 +51,14 @@ def _shortest_ways(data: RoutingData) -> Floats:
 
     Where times satisfy the triangle inequality, as walking does, this is the direct way.
     """
+    if data.is_metric:
+        return np.where(data.can_visit, data.leave + data.back, np.inf)
     ways = np.full(data.can_visit.shape, np.inf)
     for r, visits in enumerate(data.can_visit):
         own = np.flatnonzero(visits)
         if not len(own):
             continue
-        between = data.between[r][np.ix_(own, own)]
+        between = data.ways(r, own)
         ways[r, own] = _shortest(data.leave[r, own], between)
         ways[r, own] += _shortest(data.back[r, own], between)
     return ways
@@ -99,9 +101,13 @@ def _in_queues(data: RoutingData) -> float:
 
 def _shortest_times(data: RoutingData) -> Floats:
     """p_rg, ``inf`` where r cannot serve g, ``(n_robots, n_victims, n_kinds)``."""
-    away = data.between + np.where(np.eye(data.n_victims, dtype=bool), np.inf, 0.0)
-    away = np.where(data.can_visit[:, :, None], away, np.inf)
-    way_in = np.minimum(data.leave, away.min(axis=1))
+    way_in = np.array(data.leave)
+    for r, visits in enumerate(data.can_visit):
+        own = np.flatnonzero(visits)
+        if len(own) > 1:
+            away = data.ways(r, own)
+            np.fill_diagonal(away, np.inf)
+            way_in[r, own] = np.minimum(way_in[r, own], away.min(axis=0))
     shared = way_in / np.maximum(data.able.sum(axis=2), 1)
     return np.where(data.able, data.service[None] + shared[:, :, None], np.inf)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -64,11 +65,22 @@ def time_step(data: RoutingData, *, service: bool = True) -> float:
     Times are the fractions that they stand for in the mission's own unit; see `mission.exact`.
     """
     able = data.can_visit
-    both = able[:, :, None] & able[:, None, :]
-    times = [data.leave[able], data.back[able], data.between[both]]
+    times = [data.leave[able], data.back[able], *_ways(data)]
     if service:
         times.append(data.service[data.required])
     return _divisor(np.unique(np.concatenate(times)), data.time_unit)
+
+
+def _ways(data: RoutingData) -> Iterator[Floats]:
+    """The times of the ways of each robot between victims, different ones."""
+    lengths: dict[tuple[int, bytes], Floats] = {}
+    for r, own in enumerate(data.can_visit):
+        table = r if len(data.length) > 1 else 0
+        if (table, own.tobytes()) not in lengths:
+            victims = np.flatnonzero(own)
+            ways = data.length[table][np.ix_(victims, victims)]
+            lengths[table, own.tobytes()] = np.unique(ways)
+        yield lengths[table, own.tobytes()] / data.speed[r]
 
 
 def _divisor(numbers: Floats, unit: float) -> float:

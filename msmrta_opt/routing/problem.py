@@ -11,6 +11,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -52,8 +53,9 @@ class RoutingData(StageData):
 
     leave: Floats = field(metadata=over("r", "v"))
     """Travel of robot r from its start to victim v."""
-    between: Floats = field(metadata=over("r", "v", "j"))
-    """Travel of robot r between victims, symmetric."""
+    length: Floats
+    """How long the ways between victims are, symmetric: a table for each robot, ``(n_robots, n_victims,
+    n_victims)``, or one for all, ``(1, n_victims, n_victims)``. Divided by `speed` it is travel."""
     back: Floats = field(metadata=over("r", "v"))
     """Travel of r from v back to its start; zero for open routes."""
     service: Floats = field(metadata=over("v", "k"))
@@ -66,10 +68,44 @@ class RoutingData(StageData):
     """Longest time that r may be busy, ``inf`` for no limit."""
     longest_walk: Floats = field(metadata=over("r", infinite=True))
     """Longest travel time of r, ``inf`` for no limit."""
+    speed: Floats = field(default_factory=lambda: np.ones(0), kw_only=True)
+    """Length that r covers in one time unit, over (r); 1 where none is given."""
+    is_metric: bool = field(default=False, kw_only=True)
+    """Whether it is known that no detour is shorter than the direct way, as for walks."""
     time_unit: float = field(default=1.0, kw_only=True)
     """What 1 of these times is in the mission's time units; a power of two."""
     priority_unit: float = field(default=1.0, kw_only=True)
     """What 1 of these priorities is in the mission's; a power of two."""
+
+    def __post_init__(self) -> None:
+        if not len(self.speed):
+            object.__setattr__(self, "speed", np.ones(len(self.leave)))
+        super().__post_init__()
+        n, m, _ = self.able.shape
+        if self.length.shape not in ((n, m, m), (1, m, m)) or self.speed.shape != (n,):
+            raise ValueError(
+                f"length has shape {self.length.shape}; give {(n, m, m)}, or {(1, m, m)} with a speed"
+                " for each robot"
+            )
+        if not np.isfinite(self.length).all() or not (self.speed > 0).all():
+            raise ValueError(
+                "length holds values that are not finite, or speed some that are not > 0"
+            )
+
+    def way(self, robot: Any, victim: Any, other: Any) -> Any:
+        """Travel of robots from victims to others: numbers, or arrays of one shape."""
+        own = robot if len(self.length) > 1 else 0
+        return self.length[own, victim, other] / self.speed[robot]
+
+    def ways(self, robot: int, victims: Ints) -> Floats:
+        """Travel of one robot between some victims, ``(len(victims), len(victims))``."""
+        own = self.length[robot if len(self.length) > 1 else 0]
+        return np.asarray(own[np.ix_(victims, victims)] / self.speed[robot])
+
+    @cached_property
+    def between(self) -> Floats:
+        """Travel of robot r between victims, over (r, v, j): large, so for explicit programs alone."""
+        return np.asarray(self.length / self.speed[:, None, None])
 
     @property
     def n_robots(self) -> int:
@@ -139,9 +175,14 @@ class RoutingData(StageData):
     @cached_property
     def nearest(self) -> dict[int, Ints]:
         """The victims that need something, the nearest first, for each of them."""
-        needed = np.asarray(self.required.any(axis=1))
-        order = np.argsort(self.between.max(axis=0), axis=1, kind="stable")
-        return {int(v): order[v][needed[order[v]]] for v in np.flatnonzero(needed)}
+        return self.nearest_of(self.n_victims)
+
+    def nearest_of(self, many: int) -> dict[int, Ints]:
+        """The same, of each at most so many."""
+        needed = np.flatnonzero(self.required.any(axis=1))
+        far = self.between.max(axis=0) if len(self.length) > 1 else self.length[0]
+        # One after the other: all orders at once are as large as all ways.
+        return {int(v): needed[np.argsort(far[v, needed], kind="stable")[:many]] for v in needed}
 
     @property
     def total_service(self) -> float:
@@ -169,7 +210,7 @@ def times(data: RoutingData, routes: Routes) -> Times:
     for r, route in enumerate(routes):
         last: int | None = None
         for v, kinds in route:
-            step = data.leave[r, v] if last is None else data.between[r, last, v]
+            step = data.leave[r, v] if last is None else data.way(r, last, v)
             travel[r] += step
             busy[r] += step + data.service[v, list(kinds)].sum()
             completion[v] = max(completion[v], busy[r])

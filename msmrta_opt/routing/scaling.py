@@ -45,12 +45,16 @@ def in_convenient_units(data: RoutingData, objective: Objective, incumbent: Rout
         length = float(at.busy.max(initial=0.0))
     unit = _unit(length)
     longest = _LONGEST * length if length > 0.0 else math.inf
-    legs = {name: getattr(data, name) for name in ("leave", "between", "back")}
-    if unit != 1.0 or max(x.max(initial=0.0) for x in legs.values()) > longest:
+    legs = {name: getattr(data, name) for name in ("leave", "back")}
+    # Of a table for all robots no leg is cut that may be within the longest for some.
+    lengths = data.length if len(data.length) > 1 else data.length / data.speed.max()
+    cut = longest * (data.speed[:, None, None] if len(data.length) > 1 else data.speed.max())
+    if unit != 1.0 or max(x.max(initial=0.0) for x in (*legs.values(), lengths)) > longest:
         others = {name: getattr(data, name) for name in ("service", "endurance", "longest_walk")}
         data = replace(
             data,
             **{name: np.minimum(x, longest) / unit for name, x in legs.items()},
+            length=np.minimum(data.length, cut) / unit,
             **{name: x / unit for name, x in others.items()},
             time_unit=data.time_unit * unit,
         )

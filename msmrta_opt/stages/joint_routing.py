@@ -46,7 +46,7 @@ def routing_data(
         situation.reach, distances.between(instance.starts, instance.cells) / speed[:, None], 0.0
     )
     between = distances.between(instance.cells, instance.cells)
-    between = np.where(np.isfinite(between), between, 0.0)[None] / speed[:, None, None]
+    between[np.isinf(between)] = 0.0
     back = leave if return_to_start else np.zeros_like(leave)
     # Rounding does not break a limit.
     endurance, longest_walk = (
@@ -54,7 +54,9 @@ def routing_data(
     )
     data = RoutingData(
         leave=leave,
-        between=between,
+        length=between[None],
+        speed=speed,
+        is_metric=True,
         back=back,
         service=instance.service,
         able=situation.able,

@@ -108,7 +108,8 @@ def test_the_papers_mission_is_proven(
         data = replace(
             data,
             leave=data.leave * speed[:, None],
-            between=data.between * speed[:, None, None],
+            length=data.between * speed[:, None, None],
+            speed=np.ones(len(speed)),
             service=np.zeros_like(data.service),
         )
     worth = (IN_CELLS if cells else WITH_SPEEDS)[objective]

@@ -28,7 +28,7 @@ def line(
     able[1, 1, 1] = True
     return RoutingData(
         leave=leave,
-        between=np.abs(place[:, None] - place)[None] / speed[:, None, None],
+        length=np.abs(place[:, None] - place)[None] / speed[:, None, None],
         back=leave if back else np.zeros_like(leave),
         service=np.array([[1.0, 0.0], [2.0, 4.0], [3.0, 0.0]]),
         able=able,

@@ -18,7 +18,7 @@ from msmrta_opt.routing.objectives import OBJECTIVES, value
 from msmrta_opt.routing.problem import RoutingData
 from msmrta_opt.routing.scaling import in_convenient_units
 
-TIMES = ("leave", "between", "back", "service", "endurance", "longest_walk")
+TIMES = ("leave", "length", "back", "service", "endurance", "longest_walk")
 
 
 def times_as_long(data: RoutingData, factor: float) -> RoutingData:

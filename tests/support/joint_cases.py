@@ -39,7 +39,7 @@ def on_a_line(
     leave = np.abs(start[:, None] - place[None, :])
     return RoutingData(
         leave=leave,
-        between=np.repeat(np.abs(place[:, None] - place[None, :])[None], n, axis=0),
+        length=np.repeat(np.abs(place[:, None] - place[None, :])[None], n, axis=0),
         back=leave if returns else np.zeros((n, m)),
         service=np.full((m, kinds), service),
         able=can,

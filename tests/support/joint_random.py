@@ -22,7 +22,7 @@ def random_data(
     has[random.randint(n_robots, size=3), range(3)] = True
     return RoutingData(
         leave=leave,
-        between=between,
+        length=between,
         back=leave if back else np.zeros_like(leave),
         service=random.randint(0, 9, (n_victims, 3)).astype(float),
         able=has[:, None, :] & needed.reshape(n_victims, 3)[None],

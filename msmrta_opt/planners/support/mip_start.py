@@ -64,7 +64,7 @@ def _values(data: RoutingData, routes: Routes) -> dict[str, Floats]:
     for r, route in enumerate(routes):
         here, clock = home, 0.0
         for number, (v, kinds) in enumerate(route):
-            travel = data.leave[r, v] if here == home else data.between[r, here, v]
+            travel = data.leave[r, v] if here == home else data.way(r, here, v)
             clock += travel + data.service[v, list(kinds)].sum()
             x[r, here, v], flow[r, here, v] = 1.0, len(route) - number
             y[r, v], place[r, v], done[r, v] = 1.0, number, clock

@@ -295,7 +295,7 @@ def _nearest(formulation: EdgeFormulation, neighbours: int) -> Ints:
     chosen = np.zeros(len(formulation.edges), dtype=bool)
     for slice_ in formulation.edge_of_robot:
         edges = formulation.edges[slice_]
-        time = formulation.data.between[tuple(edges.T)]
+        time = formulation.data.way(*edges.T)
         order = np.argsort(time, kind="stable")
         seen = np.zeros(formulation.data.n_victims, dtype=np.int64)
         for n in order:

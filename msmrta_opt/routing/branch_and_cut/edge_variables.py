@@ -142,7 +142,7 @@ class EdgeVariables:
         time = np.zeros(self.n_columns)
         time[self.start("f") :][: self.n_pairs] = self.data.leave[robot, victim]
         time[self.start("l") :][: self.n_pairs] = self.data.back[robot, victim]
-        time[self.start("e") :] = self.data.between[tuple(self.edges.T)]
+        time[self.start("e") :] = self.data.way(*self.edges.T)
         return time
 
     @cached_property

@@ -80,7 +80,7 @@ def _detours(data: RoutingData) -> bool:
     """Whether some robot gets somewhere sooner by way of a victim than directly."""
     for r in range(data.n_robots):
         own = np.flatnonzero(data.can_visit[r])
-        between = data.between[r][np.ix_(own, own)]
+        between = data.ways(r, own)
         leave, back = data.leave[r, own], data.back[r, own]
         longest = max((float(x.max(initial=0.0)) for x in (between, leave, back)), default=0.0)
         # A way home from a robot's start is none: those that do not return have no way back.
@@ -101,7 +101,8 @@ def _equal_robots(data: RoutingData) -> list[list[int]]:
     groups: list[list[int]] = []
     arrays = (
         data.leave,
-        data.between,
+        data.speed,
+        *([data.length] if len(data.length) > 1 else []),
         data.back,
         data.able,
         data.endurance,

@@ -120,7 +120,7 @@ class _Extension:
     ) -> None:
         self.data, self.network, self.cost, self.maximum = data, network, cost, maximum
         own, robot, m = network.victims, network.robot, network.m
-        self.travel = np.vstack([data.between[robot][np.ix_(own, own)], data.leave[robot, own]])
+        self.travel = np.vstack([data.ways(robot, own), data.leave[robot, own]])
         """Between the robot's victims, from its start in the last row, ``(m + 1, m)``."""
         self.service = np.zeros((m, network.n_options))
         for i, options in enumerate(network.options):

@@ -64,7 +64,7 @@ class Network:
         self.victims: Ints = np.flatnonzero(data.can_visit[robot])
         m = self.m = len(self.victims)
         sets = [_options(tasks, robot, int(v)) for v in self.victims]
-        between = data.between[robot][np.ix_(self.victims, self.victims)]
+        between = data.ways(robot, self.victims)
         leave = data.leave[robot, self.victims]
         horizon = np.minimum(deadline[self.victims], _longest(leave, between, sets))
         if np.isfinite(data.endurance[robot]):

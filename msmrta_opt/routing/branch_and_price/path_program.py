@@ -154,7 +154,7 @@ def paths_of(data: RoutingData, tasks: Tasks, routes: Routes) -> list[Path]:
     for r, route in enumerate(routes):
         clock, before, stops = 0.0, -1, []
         for v, kinds in route:
-            clock += float(data.leave[r, v] if before < 0 else data.between[r, before, v])
+            clock += float(data.leave[r, v] if before < 0 else data.way(r, before, v))
             clock += float(data.service[v, list(kinds)].sum())
             stops.append((v, tasks.served(v, kinds), clock))
             before = v

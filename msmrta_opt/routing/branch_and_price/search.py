@@ -305,9 +305,11 @@ def _deadlines(data: RoutingData, value: float) -> Floats:
 
 def _shortest_ways(data: RoutingData) -> Floats:
     """Shortest travel of r to v, by whatever detour, ``(n_robots, n_victims)``."""
+    way: Floats = np.where(data.can_visit, data.leave, np.inf)
+    if data.is_metric:
+        return way
     pair = data.can_visit[:, :, None] & data.can_visit[:, None, :]
     between = np.where(pair, data.between, np.inf)
-    way: Floats = np.where(data.can_visit, data.leave, np.inf)
     while True:
         shorter: Floats = np.minimum(way, (way[:, :, None] + between).min(axis=1))
         if np.array_equal(shorter, way):

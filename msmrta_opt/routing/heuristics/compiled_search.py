@@ -80,15 +80,15 @@ def _problem(data: RoutingData, required: Ints, neighbours: int) -> Problem:
     needed = np.flatnonzero(np.bincount(victim, minlength=data.n_victims))
     able = np.ascontiguousarray(data.able[:, victim, kind].T)
     near = np.zeros((data.n_victims, min(neighbours, len(needed))), np.int64)
-    for v, others in data.nearest.items():
-        near[v] = others[: near.shape[1]]
+    for v, others in data.nearest_of(near.shape[1]).items():
+        near[v] = others
         if v not in near[v]:  # many on one cell
             near[v, -1] = v
     return Problem(
         leave=_own(data.leave),
         back=_own(data.back),
-        between=_own(data.between),
-        pace=np.ones(data.n_robots),
+        length=_own(data.length),
+        speed=_own(data.speed),
         endurance=_own(data.endurance),
         longest_walk=_own(data.longest_walk),
         first=np.searchsorted(victim, np.arange(data.n_victims + 1)).astype(np.int64),

@@ -31,10 +31,10 @@ class Problem(NamedTuple):
     """Travel from starts, (r, v)."""
     back: Floats
     """Travel to starts, (r, v)."""
-    between: Floats
-    """Travel between victims, (r, v, v); or distances for all robots, (1, v, v)."""
-    pace: Floats
-    """Time for one unit of `between`, (r)."""
+    length: Floats
+    """Ways between victims, (r, v, v); or for all robots, (1, v, v)."""
+    speed: Floats
+    """Length covered in one time unit, (r)."""
     endurance: Floats
     longest_walk: Floats
     first: Ints
@@ -186,7 +186,7 @@ def _minus_log(u: float) -> float:
 
 @inlined_in_place
 def _go(p: Problem, r: int, v: int, w: int) -> float:
-    return float(p.between[r if len(p.between) > 1 else 0, v, w] * p.pace[r])
+    return float(p.length[r if len(p.length) > 1 else 0, v, w] / p.speed[r])
 
 
 @inlined_in_place

@@ -94,15 +94,18 @@ def subset_of(
     own = np.array(robots)
     victims = np.flatnonzero(able[own].any(axis=(0, 2)))
     place = {int(v): i for i, v in enumerate(victims)}
+    tables = own if len(data.length) > 1 else np.zeros(1, np.int64)
     subset = RoutingData(
         leave=data.leave[np.ix_(own, victims)],
-        between=data.between[np.ix_(own, victims, victims)],
+        length=data.length[np.ix_(tables, victims, victims)],
         back=data.back[np.ix_(own, victims)],
         service=data.service[victims],
         able=able[np.ix_(own, victims)],
         priority=data.priority[victims],
         endurance=data.endurance[own],
         longest_walk=data.longest_walk[own],
+        speed=data.speed[own],
+        is_metric=data.is_metric,
         time_unit=data.time_unit,
         priority_unit=data.priority_unit,
         ids={

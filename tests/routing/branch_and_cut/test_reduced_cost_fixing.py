@@ -96,7 +96,7 @@ def test_what_a_robot_does_not_visit_it_has_no_edges_to() -> None:
 def test_objective_steps_are_the_greatest_common_divisors_of_all_times() -> None:
     # Times 4/0.4 = 10, 6/0.4 = 15 and between them 2/0.4 = 5; services 2.
     data = on_a_line([0], [4, 6], [[[True], [True]]], service=2.0)
-    data = replace(data, leave=data.leave / 0.4, between=data.between / 0.4)
+    data = replace(data, leave=data.leave / 0.4, length=data.between / 0.4)
     assert objective_step(data, "total_time") == ObjectiveStep(offset=4.0, step=5.0)
     assert objective_step(data, "makespan") == ObjectiveStep(offset=0.0, step=1.0)
 
@@ -106,7 +106,7 @@ def test_speeds_with_no_short_decimal_still_have_a_step() -> None:
     data = on_a_line([0, 0], [1, 2], [[[True], [True]]] * 2)
     speed = np.array([0.2, 0.3])
     data = replace(
-        data, leave=data.leave / speed[:, None], between=data.between / speed[:, None, None]
+        data, leave=data.leave / speed[:, None], length=data.between / speed[:, None, None]
     )
     # gcd(5, 10/3) = 5/3
     assert objective_step(data, "total_time").step == pytest.approx(5 / 3)

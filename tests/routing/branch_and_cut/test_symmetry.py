@@ -30,7 +30,7 @@ def equal_robots(
     leave = np.tile(length[0, 1:], (n_robots, 1))
     return RoutingData(
         leave=leave,
-        between=np.tile(length[1:, 1:], (n_robots, 1, 1)),
+        length=np.tile(length[1:, 1:], (n_robots, 1, 1)),
         back=leave if returns else np.zeros_like(leave),
         service=random.randint(0, 6, size=(n_victims, kinds)).astype(float),
         able=np.tile(random.random_sample((n_victims, kinds)) < 0.8, (n_robots, 1, 1)),

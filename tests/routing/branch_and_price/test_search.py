@@ -190,7 +190,7 @@ def test_a_bound_that_follows_at_once_needs_no_dual_values() -> None:
     """By itself each of two robots takes its own victim, and is done with it at once."""
     data = RoutingData(
         leave=np.array([[3.0, 9.0], [9.0, 4.0]]),
-        between=np.full((2, 2, 2), 6.0),
+        length=np.full((2, 2, 2), 6.0),
         back=np.zeros((2, 2)),
         service=np.ones((2, 1)),
         able=np.ones((2, 2, 1), dtype=bool),
