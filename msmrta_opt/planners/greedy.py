@@ -33,10 +33,10 @@ def allocate(situation: Situation) -> list[Stop]:
     while remaining.any():
         robot, v = lowest.next()
         served = situation.able[robot, v] & remaining[v]
-        stops.append(Stop(robot, instance.cells[v], "greedy", v, kinds(served)))
+        stops.append(Stop(robot, situation.cells[v], "greedy", v, kinds(served)))
         remaining[v] &= ~served
         lowest.withdraw(v, ~(situation.able[:, v] & remaining[v]).any(axis=1))
-        walks = situation.distances.between([instance.cells[v]], instance.cells)[0]
+        walks = situation.distances.between([situation.cells[v]], situation.cells)[0]
         lowest.bid(robot, np.where(np.isfinite(lowest.bids[robot]), walks, np.inf))
     return stops
 

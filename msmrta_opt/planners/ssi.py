@@ -51,7 +51,7 @@ def allocate(situation: Situation) -> list[Stop]:
         lowest.bid(robot, bids(robot))
         served.setdefault((robot, v), []).append(k)
     return [
-        Stop(robot, instance.cells[v], "SSI", v, tuple(served[robot, v]))
+        Stop(robot, situation.cells[v], "SSI", v, tuple(served[robot, v]))
         for robot, own in enumerate(insertions)
         for v in own.route
     ]

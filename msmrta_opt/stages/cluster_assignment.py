@@ -113,7 +113,7 @@ def cluster_assignment(
 def behind_walls(situation: Situation, clusters: Clustering) -> frozenset[int]:
     """The victims whose walk from their cluster's centre is longer than without walls."""
     order = np.argsort(clusters.labels, kind="stable")
-    cells = np.array(situation.instance.cells, dtype=np.int64).reshape(-1, 2)[order]
+    cells = np.array(situation.cells, dtype=np.int64).reshape(-1, 2)[order]
     centres = np.array(clusters.cells, dtype=np.int64).reshape(-1, 2)[clusters.labels[order]]
     walked = situation.instance.map.lengths(centres, cells)
     return frozenset(order[walked > np.abs(cells - centres).sum(axis=1)].tolist())
@@ -129,14 +129,14 @@ def served_members(
     options: StagedOptions,
 ) -> list[Stop]:
     """What `robot` serves in `cluster`, by Manhattan distance from the centre, then by victim."""
-    instance, centre = situation.instance, clusters.cells[cluster]
+    centre, cells = clusters.cells[cluster], situation.cells
     able, served = situation.able[robot], {}
     for v in clusters.members(cluster):
         does = kinds(able[v])
         if does and v not in deferred and (options.members == "all" or analysis.partial[robot, v]):
             served[v] = does
-    order = sorted(served, key=lambda v: (manhattan(centre, instance.cells[v]), v))
-    return [Stop(robot, instance.cells[v], STAGE, v, served[v]) for v in order]
+    order = sorted(served, key=lambda v: (manhattan(centre, cells[v]), v))
+    return [Stop(robot, cells[v], STAGE, v, served[v]) for v in order]
 
 
 def kinds(row: NDArray[np.bool_]) -> tuple[int, ...]:

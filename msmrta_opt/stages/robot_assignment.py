@@ -41,9 +41,9 @@ def robot_assignment(
         ``award``: whether all bids are in before any award, or the winner's queue, and so its next
         bid, is updated after each.
     """
-    instance = situation.instance
+    cells = situation.cells
     ends, _ = situation.after(stops)
-    bids = situation.distances.between(ends, instance.cells)
+    bids = situation.distances.between(ends, cells)
     victims = np.flatnonzero(remaining.any(axis=1)).tolist()
     sealed = _winners(bids, situation.able) if options.award == "sealed" else None
     awarded: list[Stop] = []
@@ -65,11 +65,9 @@ def robot_assignment(
         for robot in [robot for robot in won if analysis.full[robot, v]]:
             won = {robot: list(announced)}
         if sealed is None:
-            field = situation.distances.between([instance.cells[v]], instance.cells)[0]
+            field = situation.distances.between([cells[v]], cells)[0]
             bids[list(won)] = field
-        awarded.extend(
-            Stop(robot, instance.cells[v], STAGE, v, tuple(own)) for robot, own in won.items()
-        )
+        awarded.extend(Stop(robot, cells[v], STAGE, v, tuple(own)) for robot, own in won.items())
     return awarded
 
 

@@ -41,6 +41,11 @@ class Situation:
         return cls(instance, DistanceTable(instance.map, [*instance.starts, *instance.cells]))
 
     @cached_property
+    def cells(self) -> list[Cell]:
+        """Cell of each victim."""
+        return self.instance.cells
+
+    @cached_property
     def reach(self) -> NDArray[np.bool_]:
         """Whether robot r can walk to victim v, shape ``(n_robots, n_victims)``."""
         component = self.instance.map.component

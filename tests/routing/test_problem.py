@@ -138,3 +138,19 @@ def test_arrays_of_the_wrong_shape_are_refused() -> None:
     arrays = {item.name: getattr(right, item.name) for item in fields(RoutingData)}
     with pytest.raises(ValueError, match=r"leave has shape \(3, 2\); give \(2, 3\)"):
         RoutingData(**{**arrays, "leave": right.leave.T})
+
+
+def test_one_table_of_ways_for_all_robots_says_what_one_for_each_does() -> None:
+    each = line()
+    shared = replace(each, length=each.length[:1] * 1.0, speed=np.array([1.0, 0.5]))
+    assert np.array_equal(shared.between, each.between)
+    assert np.array_equal(shared.travel, each.travel)
+    assert shared.way(1, 0, 2) == each.way(1, 0, 2) == 14
+    assert np.array_equal(shared.ways(1, np.array([0, 2])), each.ways(1, np.array([0, 2])))
+    assert [x.tolist() for x in shared.nearest.values()] == [[0, 1, 2], [1, 0, 2], [2, 1, 0]]
+    assert np.array_equal(times(shared, ROUTES).busy, times(each, ROUTES).busy)
+
+
+def test_ways_of_a_wrong_shape_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"length has shape \(2, 3, 2\); give \(2, 3, 3\)"):
+        replace(line(), length=line().length[:, :, :2])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import Bools, Floats
 
@@ -19,8 +18,9 @@ class LowestBids:
 
     def __init__(self, bids: Floats) -> None:
         self.bids = bids
-        self._thing: NDArray[np.intp] = bids.argmin(axis=1)
-        self._lowest = bids[np.arange(len(bids)), self._thing]
+        self._thing, self._lowest = np.zeros(len(bids), np.int64), np.full(len(bids), np.inf)
+        for robot in range(len(bids) if bids.size else 0):
+            self._look(robot)
 
     def next(self) -> tuple[int, int]:
         """The robot and the thing of the lowest bid; ties: the first robot, then the first thing."""

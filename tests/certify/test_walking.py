@@ -1,0 +1,28 @@
+"""Walks as short as without walls, against flood fill."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from msmrta_opt.certify.walking import StraightWalks, steps_from
+from msmrta_opt.mission.grid import GridMap
+from msmrta_opt.mission.maps import grid_from_rows
+
+
+def test_a_wall_in_the_way_takes_moves_off_the_straight() -> None:
+    grid = grid_from_rows(["..@", ".@.", "..."])
+    found = StraightWalks(grid).from_cell((0, 1), [(0, 1), (1, 0), (2, 0), (2, 2), (1, 2)])
+    assert found == {(0, 1), (1, 0), (2, 0)}
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_straight_walks_are_those_whose_steps_are_no_more_than_without_walls(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    grid = GridMap(random.random(random.integers(1, 13, 2)) < 0.75)
+    free = [(int(row), int(col)) for row, col in np.argwhere(grid.free)]
+    straight = StraightWalks(grid)
+    for start in free[::5]:
+        steps = steps_from(grid, start)
+        near = {c for c in free if steps.get(c) == abs(c[0] - start[0]) + abs(c[1] - start[1])}
+        assert straight.from_cell(start, free) == near
