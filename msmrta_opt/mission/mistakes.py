@@ -130,6 +130,8 @@ def _not_needed(field: str, victim: _Victim, kinds: Sequence[str]) -> Iterator[I
 def _repeats(
     field: str, values: Sequence[object], rule: str, *, suffix: str = ""
 ) -> Iterator[InputError]:
+    seen: set[object] = set()
     for i, value in enumerate(values):
-        if value in values[:i]:
+        if value in seen:
             yield InputError(f"{value!r} is repeated; {rule}", field=f"{field}[{i}]{suffix}")
+        seen.add(value)

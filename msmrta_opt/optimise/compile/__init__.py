@@ -5,7 +5,7 @@ Reading order:
 - `compiled`: what a formulation is on data, and what keeps it from being a linear integer program.
 - `building`: the cvxpy problem of a file, or in a line what is wrong with the file.
 - `canonical`: what reading a cvxpy problem gives.
-- `affine`, with `coefficients`: the short way, for affine atoms alone.
+- `affine`, with `coefficients`: the short way, for affine atoms. `fingerprint`: problems made alike.
 - `reductions`: the long way, by cvxpy.
 - `labels`: the names of rows and columns, in the ids of the data.
 - `finite`, `contract`: what is refused before anything is solved; `bound_tightening` helps to show it.
