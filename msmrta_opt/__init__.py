@@ -64,7 +64,9 @@ if TYPE_CHECKING:
     from .optimise.export import write_program as write_program
     from .optimise.formulation import Parameter as Parameter
     from .optimise.formulation import Spec as Spec
+    from .optimise.mission_data import Surroundings as Surroundings
     from .optimise.registry import add_models as add_models
+    from .optimise.registry import blank_model as blank_model
     from .optimise.registry import copy_model as copy_model
     from .optimise.registry import get as model  # noqa: F401
     from .optimise.registry import models as list_models  # noqa: F401

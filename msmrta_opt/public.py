@@ -56,6 +56,8 @@ HOME = MappingProxyType(
         "add_models": "optimise.registry",
         "remove_models": "optimise.registry",
         "copy_model": "optimise.registry",
+        "blank_model": "optimise.registry",
+        "Surroundings": "optimise.mission_data",
         "program": "optimise.compile.compiled",
         "structure": "optimise.compile.compiled",
         "export": "optimise.export",

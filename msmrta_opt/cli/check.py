@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .console import Json
-from .models import Options, Parameters
+from .models import Folders, Options, Parameters, add_folders
 from .proofs import SUFFIX, check_proofs
 
 if TYPE_CHECKING:
@@ -70,6 +70,7 @@ def check(
     parameters: Parameters = None,
     options: Options = None,
     json: Json = None,
+    folders: Folders = None,
 ) -> None:
     """Check instances and plans; plans by a checker that shares no code with the planners.
 
@@ -84,6 +85,7 @@ def check(
     from .console import write_json
     from .outputs import check_outputs
 
+    add_folders(folders)
     if any(file.suffix == SUFFIX for file in files):
         if json is not None:
             raise InputError("is for instances and plans, not for proofs", field="--json")
@@ -177,7 +179,22 @@ def _plan(plan: Plan, missions: list[Instance], *, claims: bool) -> _Verdict:
         verdict.wrong += [f"the plan is for another mission: {line}" for line in closest]
     if not verdict.wrong:
         verdict.said.append(f"the plan holds ({plan.metrics.n_served} requirements served)")
+    verdict.said += _changed(plan)
     return verdict
+
+
+def _changed(plan: Plan) -> list[str]:
+    """The formulations whose files are others now than when the plan was made."""
+    from ..optimise.registry import digest_of, find
+
+    said = []
+    for model, digest in {x.model: x.digest for x in plan.certificates if x.digest}.items():
+        path = find(model)
+        if path is None:
+            said.append(f"no formulation {model} is found here; --models names its folder")
+        elif digest_of(path) != digest:
+            said.append(f"formulation {model} has changed since the plan was made")
+    return said
 
 
 def _bounds(plan: Plan, verdict: _Verdict, solver: str | None, time_limit: float | None) -> None:

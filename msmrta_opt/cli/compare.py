@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .missions import Figure, Json
+from .models import Options, Parameters, values_of
+from .outputs import named_values
 
 if TYPE_CHECKING:
     from ..mission.instance import Instance
@@ -31,7 +33,7 @@ def compare(
     stage: Annotated[str, typer.Option(help="clustering, cluster, victim or joint.")] = "cluster",
     models: Annotated[
         list[str] | None,
-        typer.Option(help="Formulations, or folders of them.  [default: all of the stage]"),
+        typer.Option(help="Formulations, and folders of them.  [default: all of the stage]"),
     ] = None,
     solvers: Annotated[
         list[str] | None, typer.Option(help="Solvers.  [default: auto and all installed]")
@@ -39,6 +41,8 @@ def compare(
     seeds: Annotated[list[str] | None, typer.Option(help="The solvers' seeds.")] = None,
     psi: Annotated[float, typer.Option(help="ψ of Eq. 1, 0 to 1.")] = 0.95,
     beta: Annotated[float, typer.Option(help="β of Eq. 2, 0 to 1.")] = 0.5,
+    parameters: Parameters = None,
+    option: Options = None,
     time_limit: Annotated[float, typer.Option(help="Seconds per solve.")] = 60.0,
     memory_limit: Annotated[float, typer.Option(help="MiB per solve.", min=1)] = 4096.0,
     gap: Annotated[float | None, typer.Option(help="Relative gap to stop at.")] = None,
@@ -98,7 +102,8 @@ def compare(
     baselines.check_options(against, save, slower, update=update)
     baseline = None if against is None else read_baseline(against)
     names = _names(models, stage)
-    options = StagedOptions.of(psi=psi, beta=beta)
+    options = StagedOptions.of(**{"psi": psi, "beta": beta, **named_values(option)})
+    values = values_of(parameters)
     missions = read_instances(instances)
     todo = study.cases(
         missions,
@@ -107,6 +112,7 @@ def compare(
         solver_names=_split(solvers),
         seeds=_whole_numbers(seeds),
         options=options,
+        parameters=values,
         time_limit=time_limit,
         gap=gap,
         structure=structure,
@@ -121,7 +127,7 @@ def compare(
             for row in bar:
                 rows.append(row)  # noqa: PERF402 - what is finished stays if Ctrl-C ends the loop
         if scores:
-            for item in _scores(missions, stage, rows, options, time_limit, memory_limit):
+            for item in _scores(missions, stage, rows, options, values, time_limit, memory_limit):
                 measured.append(item)  # noqa: PERF402
         if prove:
             for verdict in verdicts(todo, rows, time_limit=time_limit):
@@ -208,7 +214,7 @@ def _names(entries: list[str] | None, stage: str) -> list[str]:
     inside = [item for item in registry.listings(stage) if item.path.parent in places]
     if folders and not names and not inside:
         raise InputError(f"no formulation of stage {stage!r}", field="--models", file=folders[0])
-    return names or [item.name for item in inside]
+    return list(dict.fromkeys([*names, *(item.name for item in inside)]))
 
 
 def _scores(
@@ -216,6 +222,7 @@ def _scores(
     stage: str,
     rows: list[Record],
     options: StagedOptions,
+    values: dict[str, float],
     time: float,
     memory: float,
 ) -> Iterator[Score]:
@@ -227,6 +234,7 @@ def _scores(
         stage=stage,
         models=list(sound),
         options=options,
+        parameters=values,
         time_limit=time + 20,
         memory_limit=memory,
     )

@@ -10,6 +10,7 @@ import typer
 from ..routing.objectives import NAMES
 from .check import check
 from .console import Json as Json
+from .models import Folders, Parameters, add_folders, values_of
 
 InstanceFile = Annotated[
     Path,
@@ -38,6 +39,11 @@ def plan(
         bool | None,
         typer.Option("--through-centre/--direct", help="Pass the cluster's centre, or not."),
     ] = None,
+    solver: Annotated[
+        str | None, typer.Option(help="Who solves the formulations.  [default: auto]")
+    ] = None,
+    parameters: Parameters = None,
+    folders: Folders = None,
     option: Annotated[
         list[str] | None,
         typer.Option(help="Any other option of the planner, as NAME=VALUE.", metavar="NAME=VALUE"),
@@ -71,12 +77,18 @@ def plan(
         "through_centre": through_centre,
         "improve": improve,
         "objective": objective,
+        "solver": solver,
     }
+    add_folders(folders)
     options: dict[str, Any] = {name: x for name, x in given.items() if x is not None}
     for name, value in named_values(option).items():
         if name in options or name in ("instance", "planner"):
             raise InputError(f"{name!r} is already given; give it once", field="--option")
         options[name] = value
+    for name, number in values_of(parameters).items():
+        if name in options:
+            raise InputError(f"{name!r} is already given; give it once", field="--param")
+        options[name] = number
     made = make_plan(Instance.read(instance), planner=planner, **options)
     write_plan(made, json, figure)
     show_plan(made)

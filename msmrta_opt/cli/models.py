@@ -51,9 +51,11 @@ def models(
     ] = None,
     folders: Folders = None,
     stage: Annotated[str | None, typer.Option(help="Only those of this stage.")] = None,
+    parameters: Parameters = None,
+    options: Options = None,
     json: Json = None,
 ) -> None:
-    """List the formulations, broken files included."""
+    """List the formulations, broken files included; on an instance also what each comes to there."""
     from ..mission.errors import InputError
     from ..mission.suggestions import meant
     from ..optimise import registry
@@ -75,7 +77,8 @@ def models(
         )
     found = list(registry.listings(stage))
     columns = ["name", "stage", "what it is", "parameters"]
-    sizes = [_size(item, mission) if mission else () for item in found]
+    values, given = values_of(parameters), named_values(options)
+    sizes = [_size(item, mission, given, values) if mission else () for item in found]
     records = [{**_record(item), **_named(size)} for item, size in zip(found, sizes, strict=True)]
     write_json(json, records)
     rows = [(*_about(item), *map(str, size)) for item, size in zip(found, sizes, strict=True)]
@@ -127,17 +130,21 @@ def _named(size: tuple[object, ...]) -> dict[str, object]:
     return {"variables": None, "rows": None, "unbuilt": size[1] or None}
 
 
-def _size(item: Listing, instance: Instance) -> tuple[object, object]:
+def _size(
+    item: Listing, instance: Instance, options: dict[str, Any], values: dict[str, float]
+) -> tuple[object, object]:
     from ..mission.errors import MsmrtaError
     from ..optimise.compile import compile_formulation
     from ..stages.data import stage_data
-    from ..stages.options import StagedOptions
+    from ..stages.options import options_type
 
     if item.formulation is None:
         return "", ""
+    spec = item.formulation.spec
+    own = {name: value for name, value in values.items() if name in spec.parameters}
     try:
-        data = stage_data(instance, item.formulation.spec.stage, StagedOptions())
-        program = compile_formulation(item.formulation, data).program()
+        data = stage_data(instance, spec.stage, options_type(spec.stage).of(**options))
+        program = compile_formulation(item.formulation, data).program(**own)
     except MsmrtaError as error:
         return "–", str(error)
     return program.n_columns, program.n_rows
@@ -148,10 +155,16 @@ def show(
     instance: Annotated[
         Path | None, typer.Argument(help="Show the program on this one.", metavar="[INSTANCE]")
     ] = None,
+    data: Annotated[
+        bool, typer.Option("--data", help="Print what the formulation is given on the instance.")
+    ] = False,
+    parameters: Parameters = None,
+    options: Options = None,
     folders: Folders = None,
     json: Json = None,
 ) -> None:
-    """Print a formulation's mathematics; for an instance also its size and structure."""
+    """Print a formulation's mathematics; for an instance also its size, its structure and its data."""
+    from ..mission.errors import InputError
     from ..optimise import registry
     from .console import say, write_json
     from .outputs import check_outputs
@@ -159,7 +172,13 @@ def show(
     check_outputs(json, inputs=[instance])
     add_folders(folders)
     formulation = registry.get(model)
-    facts = {} if instance is None else _facts(formulation, instance)
+    given: Any = None
+    facts: dict[str, Any] = {}
+    if instance is not None:
+        _, given = prepared(model, instance, options, folders)
+        facts = _facts(formulation, given, str(instance), numbers(formulation, parameters))
+    elif data:
+        raise InputError("is of an instance; give one", field="--data")
     about = {
         "name": formulation.name,
         "stage": formulation.spec.stage,
@@ -179,22 +198,23 @@ def show(
     say(f"File: {formulation.path}")
     if facts:
         _show_program(facts)
+    if data:
+        from .data import show_data
+
+        show_data(given)
 
 
-def _facts(formulation: Formulation, path: Path) -> dict[str, Any]:
+def _facts(
+    formulation: Formulation, data: Any, name: str, parameters: dict[str, Any]
+) -> dict[str, Any]:
     """The program of a formulation on an instance, as JSON has it."""
     import numpy as np
 
-    from ..mission.instance import Instance
     from ..optimise.compile import compile_formulation
     from ..optimise.structure import recognise
-    from ..stages.data import stage_data
-    from ..stages.options import StagedOptions
 
-    mission = Instance.read(path)
-    data = stage_data(mission, formulation.spec.stage, StagedOptions())
     compiled = compile_formulation(formulation, data)
-    program = compiled.program()
+    program = compiled.program(**parameters)
     binary = program.integer & (program.lower >= 0) & (program.upper <= 1)
     n_fixed = int(np.count_nonzero(program.lower == program.upper))
     n_equations = int(np.count_nonzero(program.row_lower == program.row_upper))
@@ -202,7 +222,7 @@ def _facts(formulation: Formulation, path: Path) -> dict[str, Any]:
     area = max(program.n_rows * program.n_columns, 1)
     structure = recognise(program)
     return {
-        "instance": mission.name or str(path),
+        "instance": data.mission.name or name,
         "sense": program.sense,
         "variables": program.n_columns,
         "binary": int(np.count_nonzero(binary)),
@@ -241,21 +261,37 @@ def _show_program(facts: dict[str, Any]) -> None:
 
 def new_model(
     name: Annotated[str, typer.Argument(help="The new formulation's name.", metavar="NAME")],
-    source: Annotated[str, typer.Option("--from", help="The one to copy.", metavar="MODEL")],
+    source: Annotated[
+        str | None, typer.Option("--from", help="The one to copy.", metavar="MODEL")
+    ] = None,
+    blank: Annotated[
+        str | None,
+        typer.Option(help="Or the stage of which it is the smallest.", metavar="STAGE"),
+    ] = None,
     to: Annotated[
         Path | None,
-        typer.Option(help="The folder to put it in.  [default: the source's own]", metavar="DIR"),
+        typer.Option(
+            help="The folder to put it in.  [default: the source's own, or here]", metavar="DIR"
+        ),
     ] = None,
     folders: Folders = None,
 ) -> None:
-    """Copy a formulation to a new file, to edit."""
+    """Write a new formulation to edit: a copy of another, or the smallest of a stage."""
+    from ..mission.errors import InputError
     from ..optimise import registry
     from .console import say
 
     add_folders(folders)
-    path = registry.copy_model(source, name, to)
-    where = f" --models {to}" if to else ""
-    say(f"{path} is a copy of {source}: edit it, then `msmrta show {name}{where}`")
+    if (source is None) == (blank is None):
+        raise InputError("give either --from MODEL or --blank STAGE", field="new-model")
+    if source is not None:
+        path, what = registry.copy_model(source, name, to), f"a copy of {source}"
+        where = f" --models {to}" if to else ""
+    else:
+        to = to or Path()
+        path = registry.blank_model(blank or "", name, to)
+        what, where = f"a small formulation of stage {blank}", f" --models {to}"
+    say(f"{path} is {what}: edit it, then `msmrta show {name}{where}`")
 
 
 def solvers(json: Json = None) -> None:
@@ -312,14 +348,28 @@ def prepared(
 
 def numbers(formulation: Formulation, texts: list[str] | None) -> dict[str, Any]:
     """The parameters of `formulation`, those of `texts` and defaults for the rest."""
-    from ..mission.errors import InputError
     from ..optimise.compile import parameter_values
 
-    given = {}
+    return parameter_values(formulation, values_of(texts))
+
+
+def values_of(texts: list[str] | None) -> dict[str, float]:
+    """The parameters written as ``NAME=NUMBER``.
+
+    Raises
+    ------
+    InputError
+        If one has no name or no number, or is given twice.
+    """
+    from ..mission.errors import InputError
+
+    given: dict[str, float] = {}
     for text in texts or []:
         name, _, value = text.partition("=")
+        if name in given:
+            raise InputError(f"{name!r} is given twice; give it once", field="--param")
         try:
             given[name] = float(value)
         except ValueError:
             raise InputError(f"{text!r}; give NAME=NUMBER", field="--param") from None
-    return parameter_values(formulation, given)
+    return given

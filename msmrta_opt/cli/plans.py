@@ -11,9 +11,17 @@ import typer
 from ..routing.objectives import DEFAULT, NAMES, objective_of
 from .console import Json
 from .missions import Figure, Seed
+from .models import Folders, Parameters, add_folders, values_of
+from .outputs import named_values
 
 if TYPE_CHECKING:
     from ..studies.analysis.staging import Candidate, Loss
+
+
+StagedOptions = Annotated[
+    list[str] | None,
+    typer.Option("--option", help="An option of the staged planner.", metavar="NAME=VALUE"),
+]
 
 
 def register(app: typer.Typer) -> None:
@@ -27,6 +35,11 @@ def compare_plans(
     ],
     objective: Annotated[str, typer.Option(help=f"One of {NAMES}.")] = DEFAULT,
     seconds: Annotated[float, typer.Option(help="For the exact planner, on each.")] = 30.0,
+    cluster_model: Annotated[str | None, typer.Option(help="Formulation of Eq. 1.")] = None,
+    victim_model: Annotated[str | None, typer.Option(help="Formulation of Eq. 2.")] = None,
+    parameters: Parameters = None,
+    options: StagedOptions = None,
+    folders: Folders = None,
     seed: Seed = None,
     json: Json = None,
     figure: Figure = None,
@@ -34,6 +47,7 @@ def compare_plans(
     """Compare planners on instances, each beside a proven bound, and what the staged method loses."""
     from ..interruption import interrupted, interruptible
     from ..mission.errors import InputError
+    from ..planners import check_options
     from ..planners import plan as make_plan
     from ..studies.analysis.staging import candidates, price_of_staging
     from ..studies.missions import read_instances
@@ -44,14 +58,21 @@ def compare_plans(
     if not seconds >= 0:
         raise InputError(f"{seconds!r}; give 0 or more", field="--seconds")
     check_outputs(json, figure=figure, inputs=instances)
+    add_folders(folders)
+    staged = named_values(options) | values_of(parameters)
+    given = {"cluster_model": cluster_model, "victim_model": victim_model}
+    staged |= {name: value for name, value in given.items() if value is not None}
+    check_options("msmrta", staged)
     chosen, compared, losses_of = seed or 0, {}, {}
     with interruptible():
         for mission in read_instances(instances):
-            compared[mission.name] = candidates(mission, objective, seconds=seconds, seed=chosen)
+            compared[mission.name] = candidates(
+                mission, objective, seconds=seconds, seed=chosen, staged=staged
+            )
             if interrupted():
                 break
-            staged = make_plan(mission, seed=chosen)
-            losses = price_of_staging(staged, objective, seconds=seconds / 4, seed=chosen)
+            made = make_plan(mission, seed=chosen, **staged)
+            losses = price_of_staging(made, objective, seconds=seconds / 4, seed=chosen)
             losses_of[mission.name] = losses
             if interrupted():
                 break

@@ -1,4 +1,4 @@
-"""The command tradeoff: what ψ and β do to a mission, piece by piece."""
+"""The command tradeoff: what a parameter does to a mission, piece by piece."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import typer
 
 from .console import Json
 from .missions import Figure, InstanceFile, Seed
+from .models import Folders, Options, Parameters, add_folders, values_of
+from .outputs import named_values
 
 if TYPE_CHECKING:
     from ..mission.metrics import Metrics
@@ -23,15 +25,22 @@ def register(app: typer.Typer) -> None:
 
 def tradeoff(
     instance: InstanceFile,
-    over: Annotated[str, typer.Option(help="psi, beta, or psi,beta.")] = "psi",
-    model: Annotated[str | None, typer.Option(help="Formulation of the parameter's stage.")] = None,
+    over: Annotated[
+        str, typer.Option(help="A parameter: psi, beta, or a formulation's own; or psi,beta.")
+    ] = "psi",
+    model: Annotated[
+        str | None, typer.Option(help="The formulation whose parameter it is, of Eq. 1 or Eq. 2.")
+    ] = None,
     psi: Annotated[float | None, typer.Option(help="ψ while β runs.  [default: 0.95]")] = None,
+    parameters: Parameters = None,
+    options: Options = None,
+    folders: Folders = None,
     seed: Seed = None,
     csv: Annotated[Path | None, typer.Option(help="Write the pieces here.")] = None,
     json: Json = None,
     figure: Figure = None,
 ) -> None:
-    """Find every optimum over ψ or β, or every plan over both, with the exact values of change."""
+    """Find every optimum over a parameter, or every plan over ψ and β, with exact values of change."""
     from ..interruption import interrupted, interruptible
     from ..mission.errors import InputError
     from ..mission.instance import Instance
@@ -40,22 +49,21 @@ def tradeoff(
     from .outputs import check_outputs
 
     check_outputs(csv, json, figure=figure, inputs=[instance])
-    given = {"psi": psi, "seed": seed}
-    options: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    add_folders(folders)
+    given = {"psi": psi, "seed": seed, **named_values(options), **values_of(parameters)}
+    chosen: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     mission = Instance.read(instance)
     names = sorted(name.strip() for name in over.split(","))
-    if names not in (["psi"], ["beta"], ["beta", "psi"]):
-        raise InputError(f"{over!r}; give psi, beta, or psi,beta", field="--over")
+    if len(names) > 1 and names != ["beta", "psi"]:
+        raise InputError(f"{over!r}; give one parameter, or psi,beta", field="--over")
     if len(names) > 1 and model is not None:
         raise InputError("goes with one parameter", field="--model")
     with interruptible():
         if len(names) > 1:
-            regions = study.tradeoff_regions(mission, **options)
+            regions = study.tradeoff_regions(mission, **chosen)
             rows = _region_rows(regions)
         else:
-            result = study.tradeoff(
-                mission, "psi" if names == ["psi"] else "beta", model=model, **options
-            )
+            result = study.tradeoff(mission, names[0], model=model, **chosen)
             rows = _segment_rows(result)
         # Files first: whatever becomes of the screen, what was found is kept.
         if csv is not None:
@@ -85,8 +93,8 @@ def _segment_rows(result: Tradeoff) -> list[dict[str, object]]:
             "value": f"{float(segment.value(segment.low)):.6g} … "
             f"{float(segment.value(segment.high)):.6g}",
             "slope": _short(segment.slope),
-            "at 0": _short(segment.objectives[0]),
-            "at 1": _short(segment.objectives[1]),
+            f"at {_short(result.span[0])}": _short(segment.objectives[0]),
+            f"at {_short(result.span[1])}": _short(segment.objectives[1]),
             "robots take": ", ".join(name or "∅" for name in result.named(segment.assignment)),
             "optimum": "unique" if segment.unique else "one of several",
             **_figures(segment.metrics),
@@ -139,7 +147,7 @@ def _show_segments(result: Tradeoff, rows: list[dict[str, object]]) -> None:
     ]
     table(
         "Points that nothing dominates" + ("" if result.frontier.complete else " (not all)"),
-        ["at 0", "at 1", "supported", "robots take"],
+        [*(f"at {_short(end)}" for end in result.span), "supported", "robots take"],
         points,
     )
     exact = "exact fractions" if result.exact else "to a relative 1e-9: the data are not rational"

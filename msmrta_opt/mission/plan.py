@@ -110,6 +110,10 @@ class Certificate(PlanRecord):
     check: str
     n_variables: NonNegativeInt
     n_rows: NonNegativeInt
+    parameters: dict[str, Finite] = Field(default_factory=dict)
+    """The values of the formulation's parameters."""
+    digest: str = ""
+    """Of the formulation's file; empty in files of before, and for a method that has none."""
     root: RootProof | None = None
     pricing: LatencyProof | None = None
 

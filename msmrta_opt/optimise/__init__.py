@@ -2,7 +2,8 @@
 
 Reading order:
 
-- `formulation`, `axes`, `data`: the contract of a model file, and what stages hand to it.
+- `formulation`, `axes`, `data`, `mission_data`: the contract of a model file, and what it is given.
+- `documentation`, `blank`: the fields of that data for people, and files to begin with.
 - `registry`: the model files, found by name.
 - `compile`: a formulation on data as a `program`, all in arrays, named in ids.
 - `structure`, `assignment`: what the matrix proves, and what that spares.

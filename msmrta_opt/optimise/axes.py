@@ -17,10 +17,11 @@ From that follow the check of its shapes, and the names of all that a formulatio
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from functools import cache
+from functools import cache, cached_property
 from types import MappingProxyType
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -29,6 +30,7 @@ from ..arrays import own_arrays
 Id = int | str
 """What people call a robot, a victim, a kind, a cluster or a place."""
 Ids = tuple[Id, ...]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -50,9 +52,22 @@ class Axis:
     last: str = ""
 
 
-def over(*letters: str, infinite: bool = False) -> dict[str, object]:
-    """Metadata of a field whose array has the axes `letters`; ``inf`` in it may mean no limit."""
-    return {"axes": letters, "infinite": infinite}
+def over(*letters: str, unit: str = "", infinite: bool = False) -> dict[str, object]:
+    """Metadata of a field: the axes of its array, its unit, and whether ``inf`` may mean no limit."""
+    return {"axes": letters, "unit": unit, "infinite": infinite}
+
+
+class Derived(cached_property[T]):
+    """A property of the data, worked out when first asked for: its axes and its unit; see `derived`."""
+
+    def __init__(self, func: Callable[[Any], T], letters: tuple[str, ...], unit: str) -> None:
+        super().__init__(func)
+        self.letters, self.unit = letters, unit
+
+
+def derived(*letters: str, unit: str = "") -> Callable[[Callable[[Any], T]], Derived[T]]:
+    """What follows from a stage's data, over the axes `letters`, and costs nothing until it is used."""
+    return lambda func: Derived(func, letters, unit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +103,20 @@ class StageData:
                 raise ValueError(f"{name} has shape {array.shape}; give {right}")
             if array.dtype.kind == "f" and not infinite and not np.isfinite(array).all():
                 raise ValueError(f"{name} holds values that are not finite")
+        more = self._more_ids()
+        given_ids = {**more, **self.ids}
+        length |= {x: len(ids) for x, ids in more.items() if x not in length}
         if unknown := set(self.ids) - set(length):
             raise ValueError(f"ids of {_listed(unknown)}; there are axes {_listed(length)}")
-        ids = {x: tuple(self.ids.get(x, range(n))) for x, n in length.items()}
+        ids = {x: tuple(given_ids.get(x, range(n))) for x, n in length.items()}
         for letter, given in ids.items():
             if len(set(given)) != len(given) or len(given) != length[letter]:
                 raise ValueError(f"ids of {letter}: {given}; give {length[letter]} different ones")
         object.__setattr__(self, "ids", ids)
+
+    def _more_ids(self) -> dict[str, Ids]:
+        """The ids along axes that no array need have."""
+        return {}
 
     def _lengths(self) -> dict[str, int]:
         """How long the axes are, by the majority of the arrays that have them."""
@@ -120,8 +142,13 @@ class StageData:
         return [
             (item.name, item.metadata["axes"], item.metadata["infinite"])
             for item in fields(cls)
-            if "axes" in item.metadata
+            if item.metadata.get("axes")
         ]
+
+    @property
+    def letters(self) -> tuple[str, ...]:
+        """The axes whose length this data knows, in their order."""
+        return tuple(x for x, axis in self.axes.items() if (axis.of or x) in self.ids)
 
     def along(self, letter: str) -> Ids:
         """The ids along the axis `letter`, its own last place included."""

@@ -129,7 +129,7 @@ class Family:
             raise ModelError(f"{name}: {parameter} has no range with two finite ends")
         self.low, self.high = exact(low), exact(high)
         middle = low + (high - low) / 2
-        ends = [compiled.program(**{parameter: end}, **others) for end in (low, high, middle)]
+        ends = [compiled.program(**{**others, parameter: end}) for end in (low, high, middle)]
         if not all(ends[0].differs_in_cost_alone(other) for other in ends[1:]):
             raise ModelError(
                 f"{name}: {parameter} enters the rows, so the value is not its envelope"
@@ -146,6 +146,10 @@ class Family:
         self._whole = None if numbers is None else (numbers[:n], numbers[n : 2 * n])
         self._whole_offsets = None if numbers is None else numbers[2 * n :]
         self.n_solves = 0
+
+    def parameter(self, t: Fraction) -> Fraction:
+        """The value of the parameter at the weight `t`."""
+        return self.low + t * (self.high - self.low)
 
     def line(self, x: Floats) -> Line:
         """The line of a feasible point."""

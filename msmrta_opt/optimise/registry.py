@@ -8,6 +8,7 @@ raises that error. Folders of one's own come from `add_models` or the environmen
 from __future__ import annotations
 
 import ast
+import hashlib
 import importlib
 import inspect
 import os
@@ -25,6 +26,7 @@ from .. import formulations
 from ..mission.errors import InputError, ModelError, MsmrtaError
 from ..mission.files import read_text, write_text
 from ..mission.suggestions import meant
+from .blank import BLANK
 from .formulation import Spec
 
 if TYPE_CHECKING:
@@ -47,6 +49,8 @@ class Formulation:
     spec: Spec
     mathematics: str
     build: Callable[[Any], cp.Problem] = field(compare=False)
+    digest: str = ""
+    """Of the file's contents as they were loaded."""
 
     def takes(self, **values: float) -> dict[str, Any]:
         """Those of `values` that are parameters of this formulation."""
@@ -133,14 +137,8 @@ def copy_model(source: str, name: str, to: str | Path | None = None) -> Path:
         If `name` is not a Python name or is taken, there is no such formulation or folder, or the
         copy would be among the installed formulations.
     """
-    if not name.isidentifier() or iskeyword(name) or name.startswith("_"):
-        raise InputError(f"{name!r}; give a Python name such as cluster_mine", field="name")
-    if to is not None:
-        add_models(to)
+    _require_new(name, to)
     original = get(source)
-    taken = [path for path, _ in _files() if path.stem == name]
-    if taken:
-        raise InputError(f"{name!r} is already the name of {taken[0]}", field="name")
     if to is None and "_shipped" in original.path.parts:
         raise InputError(
             "the installed formulations are not to be edited; give a folder to copy to"
@@ -148,6 +146,51 @@ def copy_model(source: str, name: str, to: str | Path | None = None) -> Path:
     path = (original.path.parent if to is None else Path(to)) / f"{name}.py"
     write_text(path, read_text(original.path))
     return path
+
+
+def blank_model(stage: str, name: str, to: str | Path = ".") -> Path:
+    """Write the smallest formulation of a stage under a new name, to edit; it runs as it is.
+
+    Parameters
+    ----------
+    stage : str
+        One of `blank.BLANK`.
+    name : str
+        The new one's.
+    to : path
+        The folder to put it in, which is made known as by `add_models`.
+
+    Returns
+    -------
+    Path
+        The new file.
+
+    Raises
+    ------
+    InputError
+        If there is no small formulation of that stage, or as `copy_model`.
+    """
+    if stage not in BLANK:
+        raise InputError(
+            f"no blank formulation of {stage!r}; there are {', '.join(BLANK)}, and of other stages "
+            "one is copied",
+            field="stage",
+        )
+    _require_new(name, to)
+    path = Path(to) / f"{name}.py"
+    write_text(path, BLANK[stage])
+    return path
+
+
+def _require_new(name: str, to: str | Path | None) -> None:
+    """Refuse a name that is none or is taken, and make the folder known."""
+    if not name.isidentifier() or iskeyword(name) or name.startswith("_"):
+        raise InputError(f"{name!r}; give a Python name such as cluster_mine", field="name")
+    if to is not None:
+        add_models(to)
+    taken = [path for path, _ in _files() if path.stem == name]
+    if taken:
+        raise InputError(f"{name!r} is already the name of {taken[0]}", field="name")
 
 
 def reload_models() -> list[Listing]:
@@ -225,6 +268,13 @@ def get(name: str, *, stage: str | None = None) -> Formulation:
     return listing.formulation
 
 
+def find(name: str) -> Path | None:
+    """The file of the formulation called `name`, which is not read; ``None`` if there is none."""
+    places = [folder / f"{name}.py" for folder in folders()]
+    found = next((place for place in places if place.is_file()), None)
+    return None if name.startswith("_") else found
+
+
 def path_of(name: str, *, stage: str | None = None) -> Path:
     """The file of the formulation called `name`, which is not read.
 
@@ -233,9 +283,8 @@ def path_of(name: str, *, stage: str | None = None) -> Path:
     InputError
         If there is none of that name; those of `stage` are named then.
     """
-    places = [folder / f"{name}.py" for folder in folders()]
-    path = next((place for place in places if place.is_file()), None)
-    if path is None or name.startswith("_"):
+    path = find(name)
+    if path is None:
         usable = [item.name for item in listings(stage) if item.formulation]
         raise InputError(
             f"no formulation {name!r}{meant(name, usable)}; there are {', '.join(usable)}",
@@ -306,8 +355,14 @@ def _load(path: Path) -> Listing:
     read = _read.get(module)
     if read is None or (read.path, read.spec, read.build) != (path, spec, build):
         mathematics = inspect.cleandoc(module.__doc__ or "")
-        read = _read[module] = Formulation(path.stem, path, spec, mathematics, build)
+        read = Formulation(path.stem, path, spec, mathematics, build, digest_of(path))
+        _read[module] = read
     return Listing(path.stem, path, formulation=read)
+
+
+def digest_of(path: Path) -> str:
+    """A digest of the contents of a formulation's file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _one_line(error: BaseException, path: Path) -> str:

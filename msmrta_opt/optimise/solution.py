@@ -54,6 +54,8 @@ class Solution:
     message: str = ""
     parameters: dict[str, float] = field(default_factory=dict)
     options: dict[str, object] = field(default_factory=dict)
+    digest: str = ""
+    """Of the formulation's file."""
     start: str = ""
     """What became of a MIP start, if one was given."""
     tolerances: dict[str, float] = field(default_factory=dict)

@@ -104,6 +104,7 @@ def solve(
     return replace(
         solution,
         formulation=compiled.formulation.name,
+        digest=compiled.formulation.digest,
         parameters=parameter_values(compiled.formulation, parameters),
         canonicalise_seconds=canonicalised,
     )

@@ -68,7 +68,8 @@ def plan(
     parameters : Parameters or mapping, optional
         Tuning parameters of the search, whether the planner's or the improvement's.
     **options
-        The planner's own; for ``msmrta`` those of `options.StagedOptions`, and ``preset``.
+        The planner's own; for ``msmrta`` those of `options.StagedOptions`, ``preset``, and the
+        parameters of its formulations.
 
     Raises
     ------
@@ -114,6 +115,8 @@ def check_options(planner: str, options: Mapping[str, Any]) -> None:
     chosen = known[planner]
     takes = chosen.options
     own = {k: x for k, x in options.items() if k not in ("improve", *OF_SEARCH, "callbacks")}
+    if not own.keys() <= takes.keys():
+        takes = {**takes, **dict.fromkeys(chosen.parameters_of(own))}
     for name in own:
         if name not in takes:
             raise InputError(

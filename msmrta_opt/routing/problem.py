@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Bools, Floats, Ints
-from ..optimise.axes import Axis, StageData, over
+from ..optimise.axes import Axis, derived, over
+from ..optimise.mission_data import MissionData
 
 Visit = tuple[int, tuple[int, ...]]
 """A victim, and the kinds served there."""
@@ -28,7 +29,7 @@ SUMS = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class RoutingData(StageData):
+class RoutingData(MissionData):
     """The joint problem, by positions; all times in time units.
 
     The stage reads binary variables ``x`` over (r, i, j), robot r goes from place i to victim j;
@@ -51,22 +52,22 @@ class RoutingData(StageData):
     solution = MappingProxyType({"x": ("r", "i", "j"), "y": ("r", "v"), "a": ("r", "v", "k")})
     may_be_one = MappingProxyType({"x": "can_go", "y": "can_visit", "a": "able"})
 
-    leave: Floats = field(metadata=over("r", "v"))
+    leave: Floats = field(metadata=over("r", "v", unit="time units"))
     """Travel of robot r from its start to victim v."""
     length: Floats
     """How long the ways between victims are, symmetric: a table for each robot, ``(n_robots, n_victims,
     n_victims)``, or one for all, ``(1, n_victims, n_victims)``. Divided by `speed` it is travel."""
-    back: Floats = field(metadata=over("r", "v"))
+    back: Floats = field(metadata=over("r", "v", unit="time units"))
     """Travel of r from v back to its start; zero for open routes."""
-    service: Floats = field(metadata=over("v", "k"))
+    service: Floats = field(metadata=over("v", "k", unit="time units"))
     """Service time of kind k at victim v."""
     able: Bools = field(metadata=over("r", "v", "k"))
     """Whether r can serve kind k at v: needed, capable, and reachable."""
     priority: Floats = field(metadata=over("v"))
     """Weight of victim v's completion time."""
-    endurance: Floats = field(metadata=over("r", infinite=True))
+    endurance: Floats = field(metadata=over("r", infinite=True, unit="time units"))
     """Longest time that r may be busy, ``inf`` for no limit."""
-    longest_walk: Floats = field(metadata=over("r", infinite=True))
+    longest_walk: Floats = field(metadata=over("r", infinite=True, unit="time units"))
     """Longest travel time of r, ``inf`` for no limit."""
     speed: Floats = field(default_factory=lambda: np.ones(0), kw_only=True)
     """Length that r covers in one time unit, over (r); 1 where none is given."""
@@ -102,9 +103,9 @@ class RoutingData(StageData):
         own = self.length[robot if len(self.length) > 1 else 0]
         return np.asarray(own[np.ix_(victims, victims)] / self.speed[robot])
 
-    @cached_property
+    @derived("r", "v", "j", unit="time units")
     def between(self) -> Floats:
-        """Travel of robot r between victims, over (r, v, j): large, so for explicit programs alone."""
+        """Travel of robot r between victims, symmetric."""
         return np.asarray(self.length / self.speed[:, None, None])
 
     @property
@@ -122,50 +123,50 @@ class RoutingData(StageData):
         """Number of kinds of requirement."""
         return int(self.able.shape[2])
 
-    @cached_property
+    @derived("v", "k")
     def required(self) -> Bools:
-        """Requirements to be served, ``(n_victims, n_kinds)``."""
+        """Requirements to be served."""
         return np.asarray(self.able.any(axis=0))
 
-    @cached_property
+    @derived("r", "v")
     def can_visit(self) -> Bools:
-        """Whether r can serve something at v, ``(n_robots, n_victims)``."""
+        """Whether r can serve something at v."""
         return np.asarray(self.able.any(axis=2))
 
-    @cached_property
+    @derived("r", "i", "j", unit="time units")
     def travel(self) -> Floats:
-        """Travel of r from place i to victim j, over (r, i, j)."""
+        """Travel of r from place i to victim j."""
         return np.concatenate([self.between, self.leave[:, None, :]], axis=1)
 
-    @cached_property
+    @derived("r", "i", "j")
     def can_go(self) -> Bools:
-        """Whether r can serve something at j ≠ i, and at i if that is a victim, over (r, i, j)."""
+        """Whether r can serve something at j ≠ i, and at i if that is a victim."""
         here = np.pad(self.can_visit, ((0, 0), (0, 1)), constant_values=True)
         elsewhere = ~np.eye(self.n_victims + 1, self.n_victims, dtype=bool)
         return np.asarray(here[:, :, None] & self.can_visit[:, None, :] & elsewhere)
 
-    @cached_property
+    @derived("r", "i", unit="victims")
     def onward(self) -> Ints:
-        """Number of victims that r can go to from place i, over (r, i)."""
+        """Number of victims that r can go to from place i."""
         return np.asarray(self.can_go.sum(axis=2))
 
-    @cached_property
+    @derived("r", unit="victims")
     def maximum_visits(self) -> Ints:
-        """Number of victims that r can visit, at least 1, over (r)."""
+        """Number of victims that r can visit, at least 1."""
         return np.asarray(np.maximum(self.can_visit.sum(axis=1), 1))
 
-    @cached_property
+    @derived("r", unit="time units")
     def maximum_travel(self) -> Floats:
-        """Travel time that no route of r exceeds, over (r): a finite big-M.
+        """Travel time that no route of r exceeds: a finite big-M.
 
         The longest walk, but no more than the longest way to each victim and the longest way back.
         """
         longest = (self.travel * self.can_go).max(axis=1).sum(axis=1) + self.back.max(axis=1)
         return np.asarray(np.minimum(self.longest_walk, longest))
 
-    @cached_property
+    @derived("r", unit="time units")
     def maximum_busy(self) -> Floats:
-        """Time that no route of r exceeds, over (r): a finite big-M.
+        """Time that no route of r exceeds: a finite big-M.
 
         Its endurance, but no more than its maximum travel and the service of all that it can serve.
         """
@@ -192,7 +193,7 @@ class RoutingData(StageData):
 
 @dataclass(frozen=True, eq=False)
 class Times:
-    """When things happen on `Routes`, in time units."""
+    """When things happen on `Routes`."""
 
     travel: Floats
     """Travel per robot, the way back included, ``(n_robots,)``."""

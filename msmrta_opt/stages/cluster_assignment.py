@@ -53,14 +53,29 @@ def cluster_data(
     clusters: Clustering,
     options: StagedOptions,
 ) -> ClusterData:
-    """The weights of Eq. 1; `options` has their reading (``weights``) and the ``budget``."""
+    """The weights of Eq. 1.
+
+    Parameters
+    ----------
+    situation, analysis, clusters
+        From the stages before.
+    options : StagedOptions
+        How to read them (``weights``), the ``budget``, and the robots to keep ``apart``.
+
+    Raises
+    ------
+    InputError
+        If ``apart`` names a robot that there is none of.
+    """
     member = np.eye(clusters.n_clusters, dtype=float)[clusters.labels]
     met = situation.able.sum(axis=2)
     full = np.where(analysis.full, met, 0) @ member
     counted = met if options.weights == "text" else np.where(analysis.partial, met, 0)
     robots = [robot.id for robot in situation.instance.robots]
     budget = np.full(len(robots), options.budget, dtype=np.int64)
-    return ClusterData(counted @ member, full, budget, ids={"r": robots})
+    apart = options.named_robots(robots)
+    around = situation.around(centres=clusters.cells, labels=clusters.labels, apart=apart)
+    return ClusterData(counted @ member, full, budget, ids={"r": robots}, around=around)
 
 
 def cluster_assignment(
@@ -76,7 +91,8 @@ def cluster_assignment(
     situation, analysis, clusters
         From the stages before.
     options : StagedOptions
-        ``cluster_model``, ``psi``, ``weights``, ``members``, ``through_centre``, ``budget``.
+        ``cluster_model`` and its parameters, ``solver``, ``weights``, ``members``,
+        ``through_centre``, ``budget``.
 
     Raises
     ------
@@ -89,7 +105,7 @@ def cluster_assignment(
     if not clusters.n_clusters:
         return ClusterAssignment(chosen, [], deferred, None)
     model = registry.get(options.cluster_model, stage="cluster")
-    solution = solve(model, data, **model.takes(psi=options.psi)).require()
+    solution = solve(model, data, solver=options.solver, **options.values_for(model)).require()
     chosen = solution.values["x"] > 0.5
     stops: list[Stop] = []
     for r, start in enumerate(situation.instance.starts):

@@ -86,7 +86,7 @@ def clustering(situation: Situation, options: StagedOptions) -> Clustering:
         return Clustering(np.empty(0, dtype=np.int64), np.empty((0, 2)), [], pinned=False)
     pinned = options.pinned_clusters and instance.clusters is not None
     if options.clustering_model is not None and not pinned:
-        return _around_medians(situation, options.clustering_model)
+        return _around_medians(situation, options.clustering_model, options)
     k = min(instance.n_robots, len(set(instance.cells)))
     locations = np.array(instance.cells, dtype=float)
     labels = np.array(instance.clusters) if pinned else k_means(locations, k, options.seed)
@@ -116,12 +116,14 @@ def clustering_data(situation: Situation) -> ClusteringData:
         weight=np.array([victims_on[cell] for cell in cells], dtype=float),
         n_clusters=max(min(instance.n_robots, len(cells)), n_parts),
         ids={"i": [str(cell) for cell in cells]},
+        around=situation.around(),
     )
 
 
-def _around_medians(situation: Situation, model: str) -> Clustering:
+def _around_medians(situation: Situation, name: str, options: StagedOptions) -> Clustering:
     data = clustering_data(situation)
-    solution = solve(registry.get(model, stage="clustering"), data).require()
+    model = registry.get(name, stage="clustering")
+    solution = solve(model, data, solver=options.solver, **options.values_for(model)).require()
     y = solution.values["y"]
     cells = sorted(set(situation.instance.cells))
     median_of = dict(zip(cells, y.argmax(axis=1), strict=True))

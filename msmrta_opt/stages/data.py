@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,28 @@ from .scouting import scout_mission
 from .situation import Situation, without
 
 
+@overload
+def stage_data(
+    instance: Instance, stage: Literal["clustering"], options: StagedOptions | None = None
+) -> ClusteringData: ...
+@overload
+def stage_data(
+    instance: Instance, stage: Literal["cluster"], options: StagedOptions | None = None
+) -> ClusterData: ...
+@overload
+def stage_data(
+    instance: Instance, stage: Literal["victim"], options: StagedOptions | None = None
+) -> VictimData: ...
+@overload
+def stage_data(
+    instance: Instance, stage: Literal["joint"], options: StagedOptions | None = None
+) -> JointAssignmentData: ...
+@overload
+def stage_data(
+    instance: Instance, stage: Literal["routing"], options: StagedOptions | None = None
+) -> RoutingData: ...
+@overload
+def stage_data(instance: Instance, stage: str, options: StagedOptions | None = None) -> Any: ...
 def stage_data(instance: Instance, stage: str, options: StagedOptions | None = None) -> Any:
     """What a formulation of `stage` takes, worked out as the staged planner does.
 

@@ -74,6 +74,7 @@ def joint_assignment_data(
         redo=np.where(can_serve, redo, 0.0),
         can_serve=can_serve,
         ids={"r": eq_1.ids["r"], "v": [victim.id for victim in instance.victims]},
+        around=eq_1.around,
     )
 
 

@@ -68,6 +68,7 @@ def routing_data(
             "v": [victim.id for victim in instance.victims],
             "k": instance.capabilities,
         },
+        around=situation.around(),
     )
     in_time, in_walk = _alone(data)
     return replace(data, able=situation.able & in_time & in_walk[:, :, None])

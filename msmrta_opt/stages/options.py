@@ -6,16 +6,19 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, fields, replace
 from numbers import Integral, Real
 from types import MappingProxyType
 from typing import Any, Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..mission.errors import InputError
+from ..mission.errors import InputError, ModelError
 from ..mission.suggestions import meant
+from ..optimise import registry
 
 Weights = Literal["text", "authors"]
 Members = Literal["all", "partial"]
@@ -67,10 +70,17 @@ class StagedOptions:
     """Most clusters, or victims, of a robot, in formulations that limit them."""
     endurance: float | None = None
     """Maximum time that a robot may be busy, in formulations of Eq. 2 that limit it."""
+    solver: str = "auto"
+    """Who solves the formulations of the stages: ``auto``, or a solver's name."""
+    apart: str = ""
+    """Ids of robots, with commas between, that take no neighbouring clusters, in formulations of Eq. 1
+    that keep them apart."""
     walk: str = "ant_colony"
     """How scouts walk."""
     shared_table: bool = True
     """Whether scouts share one table of visits."""
+    params: tuple[tuple[str, float], ...] = ()
+    """Values of parameters of the formulations' own, by name; `of` takes them like options."""
 
     def __post_init__(self) -> None:
         for name in ("psi", "beta"):
@@ -79,6 +89,9 @@ class StagedOptions:
         self._check("seed", Integral, int, 0, 2**32 - 1, "a whole number, 0 to 2**32 - 1")
         if self.endurance is not None:
             self._check("endurance", Real, float, 0, sys.float_info.max, "time units, 0 or more")
+        object.__setattr__(self, "apart", str(self.apart))
+        if not all(text.strip().isdecimal() for text in self.apart.split(",") if self.apart):
+            raise InputError(f"{self.apart!r}; give ids of robots, such as 0,2", field="apart")
         for name in ("through_centre", "pinned_clusters", "shared_table"):
             if not isinstance(getattr(self, name), (bool, np.bool_)):
                 raise InputError(f"{getattr(self, name)!r}; give true or false", field=name)
@@ -112,13 +125,49 @@ class StagedOptions:
                 f"{preset!r}{meant(preset, PRESETS)}; give one of {', '.join(PRESETS)}",
                 field="preset",
             )
-        known = [item.name for item in fields(cls)]
-        for name in changes:
-            if name not in known:
+        known = [item.name for item in fields(cls) if item.name != "params"]
+        own = {name: value for name, value in changes.items() if name in known}
+        options = cls(**{**PRESETS[preset], **own})
+        more = {name: value for name, value in changes.items() if name not in known}
+        if not more:
+            return options
+        there = options.parameters
+        for name in more:
+            if name not in there:
+                every = ", ".join([*known, *(x for x in there if x not in known)])
                 raise InputError(
-                    f"no such option{meant(name, known)}; there are {', '.join(known)}", field=name
+                    f"no such option{meant(name, [*known, *there])}; there are {every}", field=name
                 )
-        return cls(**{**PRESETS[preset], **changes})
+        return replace(options, params=tuple(sorted(more.items())))
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The parameters of the formulations, by name; none of a file that does not load."""
+        found: dict[str, None] = {}
+        for name in self.formulations:
+            with suppress(ModelError):
+                found |= dict.fromkeys(registry.get(name).spec.parameters)
+        return tuple(found)
+
+    def values_for(self, formulation: registry.Formulation) -> dict[str, Any]:
+        """The values of the parameters of `formulation`: those given, or options of the same name."""
+        known, names = formulation.spec.parameters, {item.name for item in fields(self)}
+        given = {name: getattr(self, name) for name in known if name in names}
+        return given | {name: value for name, value in self.params if name in known}
+
+    def named_robots(self, ids: Sequence[int]) -> NDArray[np.bool_]:
+        """Whether ``apart`` names each of the robots `ids`, shape ``(n_robots,)``.
+
+        Raises
+        ------
+        InputError
+            If it names another.
+        """
+        named = [int(text) for text in self.apart.split(",") if text]
+        if unknown := [robot for robot in named if robot not in ids]:
+            there = ", ".join(map(str, ids))
+            raise InputError(f"no robot {unknown[0]}; there are {there}", field="apart")
+        return np.isin(ids, named)
 
     @property
     def formulations(self) -> tuple[str, ...]:
@@ -127,8 +176,10 @@ class StagedOptions:
         return tuple(name for name in names if name is not None)
 
     def as_dict(self) -> dict[str, Any]:
-        """All options by name."""
-        return asdict(self)
+        """All options by name, the formulations' own parameters among them."""
+        options = asdict(self)
+        params = options.pop("params")
+        return {**options, **dict(params)}
 
 
 @dataclass(frozen=True)
@@ -151,12 +202,6 @@ class RoutingOptions(StagedOptions):
             raise InputError(
                 f"{self.return_to_start!r}; give true or false", field="return_to_start"
             )
-
-    @property
-    def formulations(self) -> tuple[str, ...]:
-        """The names of those that plans with these options depend on."""
-        names = (self.clustering_model, self.cluster_model, self.victim_model)
-        return tuple(name for name in names if name is not None)
 
     def as_dict(self) -> dict[str, Any]:
         """All options by name, but for limits that are not set: so they say what they always said."""

@@ -72,6 +72,7 @@ def performance_analysis(
             "r": [robot.id for robot in instance.robots],
             "v": [victim.id for victim in instance.victims],
         },
+        around=situation.around(ends),
     )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..mission.grid import Cell, DistanceTable
 from ..mission.instance import Instance
+from ..optimise.mission_data import Surroundings
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,17 @@ class Situation:
     def available(self) -> NDArray[np.bool_]:
         """Requirements that some robot can serve, shape ``(n_victims, n_kinds)``."""
         return np.asarray(self.able.any(axis=0))
+
+    def around(
+        self,
+        robots: Sequence[Cell] | None = None,
+        centres: Sequence[Cell] = (),
+        labels: NDArray[np.int64] | None = None,
+        apart: NDArray[np.bool_] | None = None,
+    ) -> Surroundings:
+        """What a stage's data knows of the mission; robots are at their starts unless given."""
+        starts = self.instance.starts if robots is None else robots
+        return Surroundings(self.instance, self.distances, starts, centres, labels, apart)
 
     def after(self, stops: Iterable[Stop]) -> tuple[list[Cell], NDArray[np.float64]]:
         """Where each robot's queue ends, and when, in time units, shape ``(n_robots,)``."""

@@ -50,7 +50,7 @@ def victim_assignment(
     data : VictimData
         From `performance_analysis`.
     options : StagedOptions
-        ``victim_model`` and ``beta``.
+        ``victim_model`` and its parameters, ``solver``.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def victim_assignment(
     if not data.can_serve.any():
         return VictimAssignment([], None)
     model = registry.get(options.victim_model, stage="victim")
-    solution = solve(model, data, **model.takes(beta=options.beta))
+    solution = solve(model, data, solver=options.solver, **options.values_for(model))
     if solution.status == "infeasible" and np.isfinite(data.endurance).any():
         raise CheckError(_too_little_time(situation, data))
     chosen = solution.require().values["x"] > 0.5

@@ -177,7 +177,7 @@ def _solving(table: FormulationTable, options: Mapping[str, Any]) -> Sequence[So
         if name == "solver_seed" and not isinstance(value, int):
             raise InputError(f"{value!r}; give a whole number", field=name)
     options_of_stage = options_type(table.stage)
-    staged = {item.name for item in fields(options_of_stage)}
+    staged = {item.name for item in fields(options_of_stage)} - {"params"}
     parameters = {k: v for k, v in options.items() if k not in staged and k not in SOLVING}
     found = solving_tasks(
         stage=table.stage,

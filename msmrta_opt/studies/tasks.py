@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..certify.certificates import STAGE as STAGE_OF_BOUNDS
-from ..mission.errors import InputError, UnsupportedError
+from ..mission.errors import InputError, ModelError, UnsupportedError
 from ..mission.instance import Instance
 from ..mission.metrics import METRICS
 from ..mission.plan import Plan
@@ -139,7 +139,7 @@ class Solving:
     def values_for(self, formulation: registry.Formulation) -> dict[str, Any]:
         """The values of the formulation's parameters: those given, or of options of the same name."""
         known = formulation.spec.parameters
-        given = {name: getattr(self.options, name) for name in known if hasattr(self.options, name)}
+        given = self.options.values_for(formulation)
         return given | {k: v for k, v in self.parameters.items() if k in known}
 
     def _cannot(self) -> str:
@@ -198,6 +198,7 @@ def solving_tasks(
     for name in solver_names:
         if name != AUTO:
             solvers.get(name)
+    _check_parameters(chosen, parameters or {})
     installed = (name for name, solver in solvers.solvers().items() if solver.installed)
     names = dict.fromkeys(solver_names or (AUTO, *installed))
     return [
@@ -215,6 +216,18 @@ def solving_tasks(
         )
         for model, solver, seed in product(chosen, names, dict.fromkeys(seeds or (None,)))
     ]
+
+
+def _check_parameters(models: Iterable[str], parameters: Mapping[str, float]) -> None:
+    """Refuse a parameter that none of `models` has; files that do not load tell it themselves."""
+    known: dict[str, None] = {}
+    for name in models if parameters else ():
+        with suppress(ModelError):
+            known |= dict.fromkeys(registry.get(name).spec.parameters)
+    for name in parameters:
+        if name not in known:
+            there = ", ".join(known) or "none"
+            raise InputError(f"no such parameter; these formulations have {there}", field=name)
 
 
 def folders_of_models() -> tuple[str, ...]:

@@ -25,7 +25,7 @@ CONTINUOUS = {
     *("victim_balanced", "victim_bottleneck"),
 }
 NO_ASSIGNMENT = {
-    *("cluster_printed", "cluster_budgeted", "clustering_pmedian"),
+    *("cluster_apart", "cluster_printed", "cluster_budgeted", "clustering_pmedian"),
     *("victim_covering", "victim_generalized", "victim_printed"),
 }
 CANNOT = {"cpsat": CONTINUOUS, "lsa": CONTINUOUS | NO_ASSIGNMENT}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from support.amounts import examples
 from support.brute import ORACLES
 from support.joint_cases import on_a_line
 from support.oracles import assert_agrees
+from support.small_cases import along_a_corridor
 
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise.compile import compiled as compile_module
@@ -210,6 +212,8 @@ EXAMPLES: dict[str, Any] = {
     ),
     "routing": on_a_line([0, 9], [2, 4, 5], [[[True]] * 3] * 2, service=1),
 }
+for stage in ("cluster", "victim"):  # whatever a formulation asks of its mission
+    EXAMPLES[stage] = replace(EXAMPLES[stage], around=along_a_corridor())
 """Data of each stage on which a formulation can be built."""
 STAGED = [
     listing.name

@@ -143,7 +143,8 @@ WIDE = square(
         ),
         (
             lambda x: [(x <= 1).set_label("kind {k} at {v}")],
-            r"names {k}; the axes of VictimData are {r} \(robot\), {v} \(victim\)$",
+            r"names {k}; the axes of VictimData are {r} \(robot\), {v} \(victim\), "
+            r"{u} \(other victim\)$",
         ),
         (lambda x: [(x <= 1).set_label("robot {} at {v}")], "names {}; the axes of VictimData are"),
     ],

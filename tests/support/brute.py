@@ -5,6 +5,7 @@ Written from the docstrings of ``models/``; no modelling language and no solver.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -57,6 +58,26 @@ def cluster_budgeted(data: ClusterData, psi: float) -> Judged:
     return _most(data, psi, _at_most_one_robot(x) & _each(x.sum(axis=2) <= data.budget))
 
 
+def cluster_distance(data: ClusterData, psi: float, delta: float) -> Judged:
+    x = tables(*data.w.shape)
+    feasible = _at_most_one_robot(x) & _at_most_one_column(x)
+    feasible &= ~((x > 0) & ~data.can_enter).any(axis=(1, 2))
+    weight = (1 - psi) * data.w + psi * data.w_full - delta * data.walk_to_cluster
+    return _judged(feasible, (weight * x).sum(axis=(1, 2)), data.w.shape, max)
+
+
+def cluster_apart(data: ClusterData, psi: float) -> Judged:
+    x = tables(*data.w.shape)
+    named = np.flatnonzero(data.apart)
+    close = [
+        (x[:, r, c] > 0) & (x[:, s, d] > 0)
+        for r, s in itertools.combinations(named, 2)
+        for c, d in np.argwhere(data.neighbouring)
+    ]
+    apart = ~np.any(close, axis=0) if close else np.ones(len(x), dtype=bool)
+    return _most(data, psi, _at_most_one_robot(x) & _at_most_one_column(x) & apart)
+
+
 def victim_printed(data: VictimData, beta: float) -> Judged:
     x = tables(*data.success.shape)
     return _least(data, beta, _can(data, x) & _at_most_one_robot(x))
@@ -94,6 +115,10 @@ ORACLES: dict[str, Callable[[Any, float], Judged]] = {
     )
 }
 """By the name of the formulation, each of data and ψ or β."""
+WALKED: dict[str, Callable[..., Judged]] = {
+    oracle.__name__: oracle for oracle in (cluster_apart, cluster_distance)
+}
+"""The same of those that ask for distances, of data from a mission."""
 
 
 def _judged(

@@ -13,12 +13,16 @@ from support.joint_cases import on_a_line, small_mission
 from support.joint_oracle import least
 from support.small_cases import dense_case
 
+from msmrta_opt.mission.generate import generate_mission
+from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.optimise.data import ClusterData, ClusteringData, VictimData
 from msmrta_opt.optimise.registry import get
 from msmrta_opt.optimise.solution import Solution
 from msmrta_opt.optimise.solve import solve
 from msmrta_opt.routing.objectives import value
 from msmrta_opt.routing.problem import Routes, RoutingData, faults
+from msmrta_opt.stages.data import stage_data
+from msmrta_opt.stages.options import StagedOptions
 
 ANSWER = {"clustering": ("y", "median"), "cluster": ("x",), "victim": ("x",), "joint": ("x", "y")}
 """The binary variables that make an answer, by stage; of routes see `routes_of`."""
@@ -31,7 +35,7 @@ WEIGHTS: dict[str, dict[str, dict[str, float]]] = {
     },
 }
 """By formulation, the parameters that make it minimise an objective."""
-KNOWN = {*brute.ORACLES, *exhaustive.ORACLES, *WEIGHTS}
+KNOWN = {*brute.ORACLES, *brute.WALKED, *exhaustive.ORACLES, *WEIGHTS}
 """The formulations that have an oracle."""
 
 
@@ -70,7 +74,7 @@ def assert_agrees(name: str, data: Any, **parameters: float) -> None:
 
 def question_of(name: str, data: Any, parameters: dict[str, float]) -> Question:
     """The formulation `name` on data of tables, with what its oracle finds."""
-    ask = _by_tables if name in brute.ORACLES else _by_answers
+    ask = _by_tables if name in brute.ORACLES | brute.WALKED else _by_answers
     return ask(name, data, parameters)
 
 
@@ -82,7 +86,8 @@ def questions(name: str) -> Iterator[Question]:
             for data in _missions():
                 yield _about_routes(data, objective, weights)
         return
-    for number, data in enumerate(_data(spec.stage)):
+    known = _walked() if name in brute.WALKED else _data(spec.stage)
+    for number, data in enumerate(known):
         shares = (0.25, 0.5, 1.0)
         parameters = {
             parameter: shares[(number + place) % 3]
@@ -92,7 +97,7 @@ def questions(name: str) -> Iterator[Question]:
 
 
 def _by_tables(name: str, data: Any, parameters: dict[str, float]) -> Question:
-    judged = brute.ORACLES[name](data, *parameters.values())
+    judged = (brute.ORACLES | brute.WALKED)[name](data, *parameters.values())
     return Question(
         data, parameters, judged.best, lambda solution: judged.worth_of(solution.values["x"])
     )
@@ -140,6 +145,18 @@ def _missions() -> list[RoutingData]:
         small_mission(0, 2, 3),
         small_mission(3, 2, 2, return_to_start=True),
     ]
+
+
+def _walked() -> list[ClusterData]:
+    """Clusters among walls, one of them out of a robot's reach, and robots to keep apart."""
+    rows = [".....@.", ".@@@.@.", "......@"]
+    grid = grid_from_rows(rows)
+    missions = [
+        generate_mission(grid, n_robots, 5, seed=seed, solvable=False)
+        for seed, n_robots in enumerate((3, 3, 3, 2))
+    ]
+    options = StagedOptions.of(apart="0,1")
+    return [stage_data(mission, "cluster", options) for mission in missions]
 
 
 def _data(stage: str) -> list[Any]:

@@ -8,7 +8,16 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from msmrta_opt.optimise.data import ClusterData, ClusteringData, JointAssignmentData, VictimData
+from msmrta_opt.mission.generate import generate_mission
+from msmrta_opt.mission.grid import DistanceTable
+from msmrta_opt.mission.maps import grid_from_rows
+from msmrta_opt.optimise.data import (
+    ClusterData,
+    ClusteringData,
+    JointAssignmentData,
+    Surroundings,
+    VictimData,
+)
 
 shares = st.sampled_from([0.0, 0.25, 0.5, 0.95, 1.0])
 quarters = st.integers(0, 40).map(lambda n: n / 4)
@@ -81,6 +90,19 @@ def joint_cases(draw: st.DrawFn) -> JointAssignmentData:
     )
 
 
+def along_a_corridor() -> Surroundings:
+    """Three robots, two of them to keep apart, and four clusters of a victim each, on a line."""
+    grid = grid_from_rows(["......."])
+    return Surroundings(
+        mission=generate_mission(grid, 3, 4, seed=0, solvable=False),
+        distances=DistanceTable(grid),
+        robots=[(0, 0), (0, 1), (0, 2)],
+        centres=[(0, 3), (0, 4), (0, 5), (0, 6)],
+        labels=np.arange(4),
+        apart=np.array([True, True, False]),
+    )
+
+
 def dense_case(stage: str, seed: int) -> Any:
     """Data at the largest size that is enumerated, where nearly everything is possible."""
     random = np.random.RandomState(seed)
@@ -95,7 +117,8 @@ def dense_case(stage: str, seed: int) -> Any:
         )
     w = random.randint(0, 9, size=(3, 4)).astype(float)
     if stage == "cluster":
-        return ClusterData(w, np.minimum(w, random.randint(0, 9, size=(3, 4))), np.full(3, 2))
+        full = np.minimum(w, random.randint(0, 9, size=(3, 4)))
+        return ClusterData(w, full, np.full(3, 2), around=along_a_corridor())
     if stage == "victim":
         can_serve, busy = random.random_sample((3, 4)) < 0.9, times(3)
         return VictimData(

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 KEPT = 8
 """Ways in which problems of one formulation are made that are kept in mind."""
+CANCELLED = 1e-15
+"""Size of a sum, relative to that of its terms, up to which it is their rounding."""
 PLAIN_ATTRIBUTES = {"boolean", "integer", "bounds", "nonneg", "nonpos"}
 """Attributes of variables that are bounds and integrality of columns, and nothing else."""
 
@@ -120,7 +122,11 @@ class _Sums:
     def __call__(self, numbers: Floats, weights: Floats) -> Floats:
         """The sums at all places; `weights` are the values of the parameters, and a 1."""
         values = numbers[self._chosen] * weights[self._parameter]
-        return np.asarray(np.bincount(self._place, values, self._n_places), float)
+        sums = np.asarray(np.bincount(self._place, values, self._n_places), float)
+        sizes = np.bincount(self._place, np.abs(values), self._n_places)
+        # What is left of terms that cancel is no coefficient, but their rounding.
+        sums[np.abs(sums) <= CANCELLED * sizes] = 0.0
+        return sums
 
     def vary(self, n_parameters: int) -> bool:
         """Whether they depend on parameters."""

@@ -64,7 +64,7 @@ class Named:
         """Columns and rows with the ids of `data`, if it has any."""
         if not isinstance(data, StageData):
             return self.columns, self.rows
-        ids = {letter: data.along(letter) for letter in data.axes}
+        ids = {letter: data.along(letter) for letter in data.letters}
         columns, rows = (
             tuple(b.filled(ids) if isinstance(b, _Placed) else b for b in blocks)
             for blocks in (self.columns, self.rows)
@@ -128,7 +128,7 @@ class _Names:
 
     def __init__(self, name: str, data: StageData, matrix: csr_array) -> None:
         self.name, self.data, self.matrix = name, data, matrix
-        self.ids: Mapping[str, Ids] = {letter: data.along(letter) for letter in data.axes}
+        self.ids: Mapping[str, Ids] = {letter: data.along(letter) for letter in data.letters}
 
     def declared(self, block: Block) -> Block:
         """A variable that the stage reads with its axes; another as it is."""

@@ -88,6 +88,14 @@ class Planner:
         takes = self.options
         return tuple(self.formulations({k: x for k, x in options.items() if k in takes}))
 
+    def parameters_of(self, options: Mapping[str, Any]) -> tuple[str, ...]:
+        """The parameters of these formulations, which it takes like options; none of broken files."""
+        found: dict[str, None] = {}
+        for name in self.formulations_of(options):
+            with suppress(MsmrtaError):
+                found |= dict.fromkeys(registry.get(name).spec.parameters)
+        return tuple(found)
+
     def load(self, options: Mapping[str, Any]) -> None:
         """Import what a plan with these `options` needs, so that planning time is planning alone.
 

@@ -73,6 +73,8 @@ def certificate(stage: str, solution: Solution) -> Certificate:
         check=solution.check,
         n_variables=solution.n_variables,
         n_rows=solution.n_rows,
+        parameters=solution.parameters,
+        digest=solution.digest,
     )
 
 

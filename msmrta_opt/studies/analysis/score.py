@@ -6,7 +6,7 @@ are both of the paper's equations at what was chosen.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, fields
 from typing import Any
@@ -31,6 +31,7 @@ from .choices import Choices, choices
 
 STAGES = {"clustering": "clustering_model", "cluster": "cluster_model", "victim": "victim_model"}
 """Stages of the staged planner, and the option that names their formulation."""
+OPTIONS = frozenset(item.name for item in fields(StagedOptions)) - {"params"}
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,11 @@ class Score:
 
 
 def score(
-    instance: Instance, stage: str, model: str, options: StagedOptions | None = None
+    instance: Instance,
+    stage: str,
+    model: str,
+    options: StagedOptions | None = None,
+    parameters: Mapping[str, float] | None = None,
 ) -> Score:
     """Plan `instance` with `model` in its stage, and measure the plan.
 
@@ -80,6 +85,8 @@ def score(
         A formulation of that stage.
     options : StagedOptions, optional
         All else; the defaults are the planner's.
+    parameters : mapping of str to float, optional
+        Of the formulation; those that it does not have are left out.
 
     Raises
     ------
@@ -90,8 +97,11 @@ def score(
         raise InputError(
             f"{stage!r}{meant(stage, STAGES)}; give one of {', '.join(STAGES)}", field="stage"
         )
-    options = StagedOptions(**{**(options or StagedOptions()).as_dict(), STAGES[stage]: model})
+    given = {**(options or StagedOptions()).as_dict(), STAGES[stage]: model, **(parameters or {})}
     try:
+        takes = registry.get(model, stage=stage).spec.parameters
+        own = {name: value for name, value in given.items() if name in OPTIONS or name in takes}
+        options = StagedOptions.of(**own)
         plan = make_plan(instance, **options.as_dict())
     except MsmrtaError as error:
         return Score(instance.name, model, message=str(error))
@@ -123,6 +133,7 @@ def scores(
     stage: str,
     models: Sequence[str],
     options: StagedOptions,
+    parameters: Mapping[str, float] | None = None,
     time_limit: float | None = None,
     memory_limit: float | None = None,
 ) -> Iterator[Score]:
@@ -130,7 +141,8 @@ def scores(
     if stage not in STAGES:
         return
     folders = tuple(str(folder) for folder in registry.folders())
-    calls = [(i, stage, model, options, folders) for i in instances for model in models]
+    given = dict(parameters or {})
+    calls = [(i, stage, model, options, given, folders) for i in instances for model in models]
     results = run_isolated(
         _score_isolated,
         calls,
@@ -145,11 +157,16 @@ def scores(
 
 
 def _score_isolated(
-    instance: Instance, stage: str, model: str, options: StagedOptions, folders: tuple[str, ...]
+    instance: Instance,
+    stage: str,
+    model: str,
+    options: StagedOptions,
+    parameters: dict[str, float],
+    folders: tuple[str, ...],
 ) -> Score:
     for folder in folders:
         registry.add_models(folder)
-    return score(instance, stage, model, options)
+    return score(instance, stage, model, options, parameters)
 
 
 def _eq1(plan: Plan, options: StagedOptions) -> float:

@@ -7,7 +7,7 @@ earlier decisions fixed, so each stage's loss is the difference of two values, e
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -133,6 +133,7 @@ def candidates(
     planners: Sequence[str] = ("msmrta", "mrga", "ssi", "greedy"),
     seconds: float = 30.0,
     seed: int = 0,
+    staged: Mapping[str, Any] | None = None,
 ) -> list[Candidate]:
     """Every planner's plan, the same improved by a second of search, and the exact planner's.
 
@@ -142,6 +143,8 @@ def candidates(
         Which; the staged one is planned by both of its presets.
     seconds : float
         For the exact planner.
+    staged : mapping of str to value, optional
+        Further options of the staged planner.
 
     Returns
     -------
@@ -156,7 +159,7 @@ def candidates(
         for preset in ("paper", "authors") if name == "msmrta" else (None,):
             title = name if preset is None else f"{name}, {preset}"
             options: dict[str, Any] = {"seed": seed} | (
-                {} if preset is None else {"preset": preset}
+                {} if preset is None else {"preset": preset, **(staged or {})}
             )
             for words, more in (("", {}), (", improved", improved)):
                 if not interrupted():

@@ -1,17 +1,18 @@
-"""What ψ and β do to a mission: every assignment that is ever optimal, and where they change.
+"""What a parameter does to a mission: every assignment that is ever optimal, and where they change.
 
-The cost of Eq. 1 is linear in ψ and that of Eq. 2 in β, so each optimum holds on an interval, and the
-intervals are found exactly (`optimise.parametric`), not sampled. Over both at once: ψ decides stage
-B2 and through it the data of Eq. 2, so the unit square falls into strips, one per piece of ψ, each
-cut by the breakpoints of β there. Within a region the plan stays the same, up to ties.
+The cost of Eq. 1 is linear in ψ and that of Eq. 2 in β, and those of other formulations may be linear in
+parameters of their own. Each optimum then holds on an interval, and the intervals are found exactly
+(`optimise.parametric`), not sampled. Over ψ and β at once: ψ decides stage B2 and through it the data of
+Eq. 2, so the unit square falls into strips, one per piece of ψ, each cut by the breakpoints of β there.
+Within a region the plan stays the same, up to ties.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
 
@@ -33,8 +34,8 @@ from ...stages.options import StagedOptions
 if TYPE_CHECKING:
     import pandas as pd
 
-Over = Literal["psi", "beta"]
-STAGE: dict[str, str] = {"psi": "cluster", "beta": "victim"}
+STAGES = ("cluster", "victim")
+"""Whose formulations may have a parameter to trade off: those that say who takes what."""
 Item = TypeVar("Item")
 Done = TypeVar("Done")
 MOST_TIES = 20
@@ -48,9 +49,9 @@ Assignment = tuple[tuple[int, ...], ...]
 class Segment:
     """An interval of the parameter with one optimal line, and the plan that comes of it.
 
-    ``objectives`` are the two that the parameter weighs: the values at 0 and at 1 of what is chosen
-    here. ``unique`` says whether nothing else is optimal inside the interval; where something is,
-    ``assignment`` and ``plan`` are what the planner chooses in the middle.
+    ``objectives`` are the two that the parameter weighs: the values of what is chosen here at the ends
+    of its range, ``span``. ``unique`` says whether nothing else is optimal inside the interval; where
+    something is, ``assignment`` and ``plan`` are what the planner chooses in the middle.
     """
 
     low: Fraction
@@ -59,15 +60,16 @@ class Segment:
     assignment: Assignment
     unique: bool
     plan: Plan
+    span: tuple[Fraction, Fraction] = (Fraction(0), Fraction(1))
 
     @property
     def slope(self) -> Fraction:
-        """Change of the optimal value over the unit interval."""
-        return self.objectives[1] - self.objectives[0]
+        """Change of the optimal value for one unit of the parameter."""
+        return (self.objectives[1] - self.objectives[0]) / (self.span[1] - self.span[0])
 
     def value(self, t: Fraction | float) -> Fraction | float:
-        """The optimal value at `t`."""
-        return self.objectives[0] + t * self.slope
+        """The optimal value where the parameter is `t`."""
+        return self.objectives[0] + (t - self.span[0]) * self.slope
 
     @property
     def metrics(self) -> Metrics:
@@ -85,7 +87,7 @@ class Tradeoff:
     Parameters
     ----------
     segments : tuple of Segment
-        In order, covering [0, 1]; only the first of it, if `interruption` ended it.
+        In order, covering the parameter's range; only the first of it, if `interruption` ended it.
     ties : dict of Fraction to tuple of Assignment
         At each breakpoint all optimal assignments, up to `MOST_TIES`.
     more_ties : frozenset of Fraction
@@ -100,6 +102,10 @@ class Tradeoff:
         Whether breakpoints are exact fractions of rational data.
     n_solves : int
         Programs solved for the segments.
+    stage : str
+        Of the formulation: ``cluster`` or ``victim``.
+    span : tuple of Fraction
+        The parameter's range.
     """
 
     over: str
@@ -113,6 +119,8 @@ class Tradeoff:
     names: tuple[str, ...]
     exact: bool
     n_solves: int
+    stage: str = "cluster"
+    span: tuple[Fraction, Fraction] = (Fraction(0), Fraction(1))
 
     @property
     def breakpoints(self) -> list[Fraction]:
@@ -270,32 +278,33 @@ class Regions:
 
 @overload
 def tradeoff(
-    mission: Instance, over: Over = ..., *, model: str | None = ..., **options: Any
+    mission: Instance, over: str = ..., *, model: str | None = ..., **options: Any
 ) -> Tradeoff: ...
 @overload
 def tradeoff(
-    mission: Instance, over: Sequence[str], *, model: None = ..., **options: Any
+    mission: Instance, over: tuple[str, str] | list[str], *, model: None = ..., **options: Any
 ) -> Regions: ...
 def tradeoff(
     mission: Instance,
-    over: str | Sequence[str] = "psi",
+    over: str | tuple[str, str] | list[str] = "psi",
     *,
     model: str | None = None,
     **options: Any,
 ) -> Tradeoff | Regions:
-    """Every piece of the optimal value over ψ (Eq. 1) or β (Eq. 2), or every region over both.
+    """Every piece of the optimal value over a parameter, or every region over ψ and β.
 
     Parameters
     ----------
     mission : Instance
         What is planned.
-    over : {"psi", "beta", ("psi", "beta")}
-        The parameter that runs over [0, 1], or both.
+    over : str, or ("psi", "beta")
+        The parameter that runs over its range, ψ of Eq. 1 or β of Eq. 2 or one of the formulation's
+        own; or both ψ and β.
     model : str, optional
-        The formulation; by default that of the options. Over both give ``cluster_model`` and
-        ``victim_model`` instead.
+        The formulation, of stage cluster or victim; by default that of the options which has the
+        parameter. Over both give ``cluster_model`` and ``victim_model`` instead.
     **options
-        Of the staged planner, as for `plan`: a preset, the other parameter, and so on.
+        Of the staged planner, as for `plan`: a preset, other parameters, and so on.
 
     Returns
     -------
@@ -305,7 +314,7 @@ def tradeoff(
     Raises
     ------
     InputError
-        If an option is wrong.
+        If an option is wrong, or no formulation has the parameter.
     ModelError
         If the formulation's value is not linear in the parameter, so that it has no such pieces.
     """
@@ -315,17 +324,16 @@ def tradeoff(
                 f"{model!r}; over both give cluster_model and victim_model", field="model"
             )
         return tradeoff_regions(mission, **options)
-    if not isinstance(over, str) or over not in STAGE:
-        raise InputError(f"{over!r}; give psi, beta, or both", field="over")
-    stage = STAGE[over]
-    settings = _settings(options, stage, model)
-    chosen = getattr(settings, f"{stage}_model")
-    problem = _Problem(mission, over, chosen, settings)
+    if not isinstance(over, str):
+        raise InputError(f"{over!r}; give a parameter, or psi and beta", field="over")
+    settings = _settings(options, model)
+    stage, chosen = _formulation(over, model, settings)
+    problem = _Problem(mission, over, stage, chosen, settings)
     family, pieces = problem.family, problem.envelope
     segments = _in_time(pieces.pieces, lambda piece: _segment(problem, piece))
     if not segments:
         raise KeyboardInterrupt  # which alone leaves none
-    breakpoints = [segment.low for segment in segments[1:]]
+    breakpoints = [piece.low for piece in pieces.pieces[1 : len(segments)]]
     found = _in_time(breakpoints, lambda t: (t, *optima(family, t, most=MOST_TIES)))
     front = frontier(family, pieces)
     return Tradeoff(
@@ -333,13 +341,18 @@ def tradeoff(
         model=chosen,
         sense=family.program.sense,
         segments=tuple(segments),
-        ties={t: tuple(assignment(family, line) for line in lines) for t, lines, _ in found},
-        more_ties=frozenset(t for t, _, are_all in found if not are_all),
+        ties={
+            family.parameter(t): tuple(assignment(family, line) for line in lines)
+            for t, lines, _ in found
+        },
+        more_ties=frozenset(family.parameter(t) for t, _, are_all in found if not are_all),
         frontier=front,
         frontier_assignments=tuple(assignment(family, point.line) for point in front.points),
-        names=_names(over, segments[0].plan),
+        names=_names(stage, segments[0].plan),
         exact=pieces.exact,
         n_solves=pieces.n_solves,
+        stage=stage,
+        span=(family.low, family.high),
     )
 
 
@@ -362,8 +375,8 @@ def tradeoff_regions(mission: Instance, **options: Any) -> Regions:
     ModelError
         If a formulation's value is not linear in its parameter.
     """
-    settings = _settings(options, "cluster", None)
-    eq1 = _Problem(mission, "psi", settings.cluster_model, settings)
+    settings = _settings(options, None)
+    eq1 = _Problem(mission, "psi", "cluster", settings.cluster_model, settings)
     strips = _in_time(eq1.envelope.pieces, lambda strip: _strip(mission, settings, eq1, strip))
     regions = tuple(region for found, _ in strips for region in found)
     if not regions:
@@ -380,7 +393,7 @@ def _strip(
     one_post, pieces = eq1.is_unique(strip), [(Fraction(0), Fraction(1), True)]
     eq2 = None
     if stage_data(mission, "victim", here).can_serve.any():
-        problem = _Problem(mission, "beta", here.victim_model, here)
+        problem = _Problem(mission, "beta", "victim", here.victim_model, here)
         eq2 = problem.envelope
         pieces = _in_time(eq2.pieces, lambda x: (x.low, x.high, problem.is_unique(x)))
 
@@ -410,11 +423,14 @@ def _in_time(items: Iterable[Item], do: Callable[[Item], Done]) -> list[Done]:
 class _Problem:
     """One stage's formulation on a mission, solved for all values of its parameter."""
 
-    def __init__(self, mission: Instance, over: str, model: str, settings: StagedOptions) -> None:
+    def __init__(
+        self, mission: Instance, over: str, stage: str, model: str, settings: StagedOptions
+    ) -> None:
         self.mission, self.over, self.settings = require_mission(mission), over, settings
-        self.model = registry.get(model, stage=STAGE[over])
-        self.data = stage_data(mission, STAGE[over], settings)
-        self.family = Family(compile_for(self.model, self.data), over)
+        self.model = registry.get(model, stage=stage)
+        self.data = stage_data(mission, stage, settings)
+        self.others = settings.values_for(self.model)
+        self.family = Family(compile_for(self.model, self.data), over, **self.others)
         self.envelope = envelope(self.family)
 
     def is_unique(self, piece: Piece) -> bool:
@@ -424,36 +440,65 @@ class _Problem:
 
     def chosen_by_planner(self, piece: Piece) -> Line:
         """What the planner takes in the middle of `piece`, where several points are optimal."""
-        middle: dict[str, Any] = {self.over: _middle(piece.low, piece.high)}
+        middle = {**self.others, self.over: self.middle(piece)}
         values = solve(self.model, self.data, **middle).require().values
         line = self.family.line(self.family.program.flat(values))
         return line if line.same_line(piece.line) else piece.line
 
+    def middle(self, piece: Piece) -> float:
+        """The parameter in the middle of `piece`."""
+        return float(self.family.parameter((piece.low + piece.high) / 2))
 
-def _settings(options: dict[str, Any], stage: str, model: str | None) -> StagedOptions:
+
+def _settings(options: dict[str, Any], model: str | None) -> StagedOptions:
     given = dict(options)
     preset = given.pop("preset", "paper")
     if model is not None:
+        stage = registry.get(model).spec.stage
+        if stage not in STAGES:
+            raise InputError(
+                f"{model!r} is of stage {stage!r}; give one of {' or '.join(STAGES)}", field="model"
+            )
         given[f"{stage}_model"] = model
     return StagedOptions.of(preset, **given)
 
 
+def _formulation(over: str, model: str | None, settings: StagedOptions) -> tuple[str, str]:
+    """The stage and the name of the formulation whose parameter `over` is.
+
+    Raises
+    ------
+    InputError
+        If none of them has it.
+    """
+    chosen = [(stage, getattr(settings, f"{stage}_model")) for stage in STAGES]
+    if model is not None:
+        chosen = [item for item in chosen if item[1] == model]
+    there = {name: registry.get(name).spec.parameters for _, name in chosen}
+    for stage, name in chosen:
+        if over in there[name]:
+            return stage, name
+    known = "; ".join(f"{name} has {', '.join(of) or 'none'}" for name, of in there.items())
+    raise InputError(f"{over!r} is no parameter: {known}", field="over")
+
+
 def _segment(problem: _Problem, piece: Piece) -> Segment:
     line = problem.chosen_by_planner(piece)
-    changed: dict[str, Any] = {problem.over: _middle(piece.low, piece.high)}
-    at = replace(problem.settings, **changed)
+    family = problem.family
+    options = {**problem.settings.as_dict(), problem.over: problem.middle(piece)}
     return Segment(
-        low=piece.low,
-        high=piece.high,
+        low=family.parameter(piece.low),
+        high=family.parameter(piece.high),
+        span=(family.low, family.high),
         objectives=(line.at_zero, line.at_one),
         assignment=assignment(problem.family, line),
         unique=problem.is_unique(piece),
-        plan=make_plan(problem.mission, **at.as_dict()),
+        plan=make_plan(problem.mission, **options),
     )
 
 
-def _names(over: str, plan: Plan) -> tuple[str, ...]:
-    if over == "psi":
+def _names(stage: str, plan: Plan) -> tuple[str, ...]:
+    if stage == "cluster":
         return tuple(f"C{c}" for c in range(len(plan.clusters)))
     missed = plan.scouting.not_found if plan.scouting else ()
     return tuple(f"v{victim.id}" for victim in plan.instance.victims if victim.id not in missed)

@@ -67,7 +67,7 @@ def plot_value(result: Tradeoff, ax: Axes | None = None) -> Axes:
     edges = np.append(ends[:, 0], ends[-1, 1])
     for which, (colour, line) in enumerate(((FIRST, "--"), (SECOND, ":"))):
         steps = np.array([float(s.objectives[which]) for s in result.segments])
-        label = f"{OBJECTIVES[result.over][which]} of the optimum"
+        label = f"{_objectives(result)[which]} of the optimum"
         ax.stairs(
             steps, edges, baseline=None, color=colour, linestyle=line, linewidth=1.8, label=label
         )
@@ -78,7 +78,7 @@ def plot_value(result: Tradeoff, ax: Axes | None = None) -> Axes:
         edges[1:-1], values[1:-1], "o", color="white", markeredgecolor=VALUE, markeredgewidth=1.6,
         label="breakpoint",
     )  # fmt: skip
-    ax.set_ylabel(f"objective ({UNIT[result.over]})", fontsize=SMALL)
+    ax.set_ylabel(f"objective{_unit(result)}", fontsize=SMALL)
     _parameter_axis(ax, result)
     ax.set_title(f"Optimal value, {_count(result)}", fontsize=10)
     legend_below(ax)
@@ -98,16 +98,17 @@ def plot_changes(result: Tradeoff, ax: Axes | None = None) -> Axes:
     """
     ax = own_axes(6.5, 4.2) if ax is None else ax
     edges = [*(float(s.low) for s in result.segments), float(result.segments[-1].high)]
+    start = f"{_symbol(result)} = {float(result.span[0]):g}"
     for which, (colour, line) in enumerate(((FIRST, "--"), (SECOND, ":"))):
         steps = np.array([float(s.objectives[which]) for s in result.segments])
         ax.stairs(
             steps - steps[0], edges, baseline=None, color=colour, linestyle=line, linewidth=2.2,
-            label=f"{OBJECTIVES[result.over][which]}, {steps[0]:.6g} at {SYMBOL[result.over]} = 0",
+            label=f"{_objectives(result)[which]}, {steps[0]:.6g} at {start}",
         )  # fmt: skip
     ax.margins(y=0.15)
-    ax.set_ylabel(f"change ({UNIT[result.over]})", fontsize=SMALL)
+    ax.set_ylabel(f"change{_unit(result)}", fontsize=SMALL)
     _parameter_axis(ax, result)
-    ax.set_title(f"Change of the objectives since {SYMBOL[result.over]} = 0", fontsize=10)
+    ax.set_title(f"Change of the objectives since {start}", fontsize=10)
     legend_below(ax)
     return ax
 
@@ -131,15 +132,15 @@ def plot_front(result: Tradeoff, ax: Axes | None = None) -> Axes:
     )
     ax.plot(
         *supported.T, "o", color=VALUE, markersize=8,
-        label=f"reached by a {SYMBOL[result.over]} ({len(supported)})",
+        label=f"reached by a {_symbol(result)} ({len(supported)})",
     )  # fmt: skip
     if groups[False]:
         behind = np.array(groups[False])
         ax.plot(
             *behind.T, "D", color="white", markeredgecolor=SECOND, markersize=6,
-            markeredgewidth=1.5, label=f"reached by no {SYMBOL[result.over]} ({len(behind)})",
+            markeredgewidth=1.5, label=f"reached by no {_symbol(result)} ({len(behind)})",
         )  # fmt: skip
-    first, second = OBJECTIVES[result.over]
+    first, second = _objectives(result)
     unit = f" ({UNIT[result.over]})" if result.over == "beta" else ""
     better = "more" if result.sense == "max" else "less"
     width, height = (0.24 * points for points in size_of(ax))
@@ -180,7 +181,7 @@ def plot_bands(result: Tradeoff, ax: Axes | None = None) -> Axes:
     ax.set_ylim(len(robots) - 0.5, -0.5)
     ax.set_ylabel("robot", fontsize=SMALL)
     _parameter_axis(ax, result)
-    what = "cluster" if result.over == "psi" else "victim"
+    what = result.stage
     ax.set_title(f"Which {what} each robot takes", fontsize=10)
     return ax
 
@@ -235,8 +236,8 @@ def _runs(result: Tradeoff, row: int) -> Iterator[tuple[Fraction, Fraction, str]
 
 def _parameter_axis(ax: Axes, result: Tradeoff) -> None:
     """The parameter on x, with its breakpoints as lines, named on top."""
-    ax.set_xlim(0, 1)
-    ax.set_xlabel(NAME[result.over], fontsize=SMALL)
+    ax.set_xlim(*map(float, result.span))
+    ax.set_xlabel(NAME.get(result.over, result.over), fontsize=SMALL)
     ax.tick_params(labelsize=SMALL)
     for t in result.breakpoints:
         ax.axvline(float(t), color=FAINT, linewidth=0.8, linestyle="--", zorder=0.5)
@@ -306,3 +307,17 @@ def short(t: Fraction) -> str:
 def _count(result: Tradeoff) -> str:
     n = len(result.breakpoints)
     return f"{n} breakpoint{'' if n == 1 else 's'}"
+
+
+def _symbol(result: Tradeoff) -> str:
+    return SYMBOL.get(result.over, result.over)
+
+
+def _unit(result: Tradeoff) -> str:
+    return f" ({UNIT[result.over]})" if result.over in UNIT else ""
+
+
+def _objectives(result: Tradeoff) -> tuple[str, str]:
+    """The two that the parameter weighs: those of a formulation's own, by the ends of its range."""
+    low, high = (f"objective at {result.over} = {float(end):g}" for end in result.span)
+    return OBJECTIVES.get(result.over, (low, high))

@@ -23,7 +23,9 @@ from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.optimise.parametric import Family, Line, envelope
+from msmrta_opt.optimise.solve import solve
 from msmrta_opt.planners import plan
+from msmrta_opt.stages.data import stage_data
 from msmrta_opt.stages.options import StagedOptions
 from msmrta_opt.studies.analysis import tradeoff as tradeoffs
 from msmrta_opt.studies.analysis.tradeoff import _Problem, tradeoff, tradeoff_regions
@@ -87,7 +89,19 @@ def test_what_has_no_pieces_is_refused(paper: Instance) -> None:
     with pytest.raises(ModelError, match="beta enters the rows"):
         tradeoff(paper, "beta", model="victim_balanced")
     with pytest.raises(InputError, match="over"):
-        tradeoff(paper, "gamma")  # type: ignore[call-overload]
+        tradeoff(paper, "gamma")
+
+
+def test_a_formulations_own_parameter_has_pieces_over_its_own_range(paper: Instance) -> None:
+    own = tradeoff(paper, "delta", model="cluster_distance", psi=0)
+    assert (own.segments[0].low, own.segments[-1].high) == own.span == (0, 1)
+    free = tradeoff(paper, "psi", model="cluster_distance", delta=0)
+    assert own.segments[0].value(0) == free.segments[0].value(0)
+    for segment in own.segments:
+        middle = float((segment.low + segment.high) / 2)
+        data = stage_data(paper, "cluster")
+        solution = solve("cluster_distance", data, psi=0, delta=middle)
+        assert solution.objective == pytest.approx(float(segment.value(middle)))
 
 
 def test_the_command_prints_the_pieces_and_writes_table_and_picture(
@@ -156,7 +170,7 @@ def test_pieces_that_are_proved_before_ctrl_c_are_those_of_the_whole(
 
     monkeypatch.setattr(Family, "solve", solve_and_interrupt)
     with interruptible():
-        found = envelope(_Problem(paper, "beta", whole.model, StagedOptions()).family)
+        found = envelope(_Problem(paper, "beta", "victim", whole.model, StagedOptions()).family)
     pieces = [(piece.low, piece.high) for piece in found.pieces]
     assert pieces == [(piece.low, piece.high) for piece in whole.segments][: len(pieces)]
     assert len(pieces) < len(whole.segments)
@@ -178,7 +192,9 @@ def test_a_parameter_without_effect_is_said_instead_of_drawn() -> None:
 
 def test_an_unknown_parameter_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["tradeoff", str(PAPER), "--over", "gamma"]) == 2
-    assert capsys.readouterr().err == "error: --over: 'gamma'; give psi, beta, or psi,beta\n"
+    assert capsys.readouterr().err == (
+        "error: over: 'gamma' is no parameter: cluster_one_to_one has psi; victim_one_to_one has beta\n"
+    )
 
 
 def test_names_of_close_breakpoints_are_moved_apart_by_hand() -> None:
