@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.programs import best_value, edits, feasible_points, program, structured_programs
 
 import msmrta_opt as mo
@@ -120,7 +121,7 @@ def test_an_infeasible_program_has_no_optimum_to_try() -> None:
     assert "has no optimum to try" in found.text
 
 
-@settings(max_examples=80)
+@settings(max_examples=examples(80))
 @given(data=st.data())
 def test_what_becomes_of_an_optimum_is_what_all_points_say(data: st.DataObject) -> None:
     a: Program = data.draw(structured_programs())

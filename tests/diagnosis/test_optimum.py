@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.programs import feasible_points, formulation
 
 from msmrta_opt.diagnosis.explain import Explanation, explain
@@ -68,7 +69,7 @@ def weighed(matrix: Any, low: float, high: float) -> Any:
     return formulation(build, t=Parameter(low, high, low, "what it weighs"))
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(
     matrix=st.lists(st.lists(st.integers(-4, 4), min_size=3, max_size=3), min_size=2, max_size=2),
     low=st.integers(-2, 1),

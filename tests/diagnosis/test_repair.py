@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.programs import INF, program
 
 from msmrta_opt.diagnosis.repair import Repair, repair
@@ -60,7 +61,7 @@ def conflicting(draw: st.DrawFn) -> Program:
     return replace(made, rows=tuple(Block(f"row {i}", i, ()) for i in range(n_rows)))
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(
     trial=conflicting(),
     weights=st.lists(st.sampled_from([0.5, 1.0, 3.0]), min_size=4, max_size=4),

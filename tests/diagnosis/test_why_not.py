@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.amounts import examples
 from support.programs import best_value, feasible_points, formulation, program, structured_programs
 
 from msmrta_opt.diagnosis.explain import explain
@@ -21,7 +22,7 @@ from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solve import solve_program
 
 
-@settings(max_examples=80)
+@settings(max_examples=examples(80))
 @given(trial=structured_programs(), data=st.data())
 def test_the_cost_of_a_value_is_that_of_the_best_point_with_it(
     trial: Program, data: st.DataObject
