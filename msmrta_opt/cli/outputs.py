@@ -108,14 +108,14 @@ def write_plan(plan: Plan, json: Path | None, figure: Path | None) -> None:
 
 
 def document_format(path: Path) -> str:
-    """The ``format`` of a JSON document, empty if it has none.
+    """The ``format`` of a JSON document, or of a shipped instance; empty if it has none.
 
     Raises
     ------
     InputError
         If the file cannot be read, or is not a JSON object.
     """
-    document = read_json(path)
+    document = read_json(find_instance(path))
     if not isinstance(document, dict):
         raise InputError("not a JSON object; give an instance or a plan", file=path)
     return str(document.get("format", ""))

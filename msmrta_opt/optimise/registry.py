@@ -295,7 +295,7 @@ def path_of(name: str, *, stage: str | None = None) -> Path:
 
 def _is_unrelated(path: Path) -> bool:
     """Whether the file binds neither of a formulation's names; it is not run to find out."""
-    if path.parent == Path(formulations.__path__[0]) or _module(path) in sys.modules:
+    if path.parent == Path(formulations.__path__[0]) or _loaded(path):
         return False
     try:
         body = ast.parse(path.read_bytes()).body
@@ -323,10 +323,18 @@ def _module(path: Path) -> str:
     return f"{formulations.__name__}.{path.stem}"
 
 
-def _import(name: str) -> ModuleType:
+def _loaded(path: Path) -> ModuleType | None:
+    """The module of this very file, if it has been imported; a name may have been another folder's."""
+    module = sys.modules.get(_module(path))
+    return module if module is not None and module.__file__ == str(path) else None
+
+
+def _import(path: Path) -> ModuleType:
     """Import a model file without leaving bytecode, which hides edits made within a second."""
+    name = _module(path)
     before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
-    if name not in sys.modules:
+    if _loaded(path) is None:
+        sys.modules.pop(name, None)
         importlib.invalidate_caches()  # the file may be younger than the folder's listing
     try:
         return importlib.import_module(name)
@@ -340,7 +348,7 @@ def _load(path: Path) -> Listing:
             path.stem, path, error="not a formulation: it has no SPEC and no build(data)"
         )
     try:
-        module = _import(_module(path))
+        module = _import(path)
         spec, build = module.SPEC, module.build
         if not isinstance(spec, Spec) or not callable(build):
             raise TypeError("SPEC is not a Spec(…), or build is not a function")

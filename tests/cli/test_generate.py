@@ -153,7 +153,7 @@ def test_a_generated_map_gets_a_pocket_for_victims_out_of_reach(
 
 
 BAD = [
-    ("--map map9", "no known map (did you mean 'map0'?); known: map0, map1, map2, map3"),
+    ("--map map9", "no known map (did you mean 'map3'?); known: map0, map1, map2, map3"),
     ("--map broken.map", "broken.map: header: no line 'map'"),
     ("--map rooms", "size: missing; map rooms needs one, rows and columns"),
     ("--map rooms --size 9by9", "--size: '9by9'; give ROWSxCOLS"),

@@ -339,3 +339,14 @@ def test_only_an_added_folder_can_be_removed(folder: Path) -> None:
     for wrong in (folder / "none", folders()[0]):
         with pytest.raises(InputError, match="not an added folder of models"):
             remove_models(wrong)
+
+
+def test_a_name_that_was_another_folders_is_read_from_its_own_file(tmp_path: Path) -> None:
+    for number, folder in ((1, "gone"), (2, "here")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mine.py").write_text(model(number), encoding="utf-8")
+    add_models(tmp_path / "gone")
+    assert get("mine").spec.title == "worth 1"
+    formulations.__path__.pop()
+    add_models(tmp_path / "here")
+    assert get("mine").spec.title == "worth 2"

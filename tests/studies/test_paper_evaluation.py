@@ -42,14 +42,14 @@ def test_the_percentages_of_time_saved_are_those_of_the_table(
     seconds = by_contender(runs, "seconds")
     means = seconds.groupby("map").mean()
     for contender in ("MSMRTA", "MRGA with a table"):
-        for saved in 100 * (1 - means[contender] / means[BASELINE]):
-            assert all(f" {saved:.2f} % " in text for text in documents.values())
+        by_map = 100 * (1 - means[contender] / means[BASELINE])
+        for saved in by_map:
+            assert f" {saved:.2f} % " in documents["studies/README.md"]
+        assert f"{by_map.min():.0f} to {by_map.max():.0f} % " in documents["README.md"]
         overall = 100 * (1 - seconds[contender].mean() / seconds[BASELINE].mean())
         median = 100 * (1 - (seconds[contender] / seconds[BASELINE]).median())
         assert f" {overall:.2f} % " in documents["studies/README.md"]
         assert f" {median:.2f} % " in documents["studies/README.md"]
-    for milliseconds in 1000 * means.to_numpy().ravel():
-        assert f" {milliseconds:.0f} ms " in documents["README.md"]
 
 
 def test_the_ratios_of_plan_quality_are_those_of_the_table(
@@ -61,5 +61,5 @@ def test_the_ratios_of_plan_quality_are_those_of_the_table(
         for mean in [*ratio.groupby("map").mean(), ratio.mean()]:
             assert f" {mean:.2f} " in documents["studies/README.md"]
         assert (values[BASELINE] == values["MRGA with a table"]).all()
-        if figure != "mean_completion":
+        if figure in ("distance", "makespan"):
             assert f" {ratio.mean():.2f} times" in documents["README.md"]

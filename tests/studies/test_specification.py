@@ -86,7 +86,7 @@ def test_files_are_found_from_the_studys_folder_and_each_once(tmp_path: Path) ->
         (("[[planners]]", "[[formulations]]\nstage = 'lunch'\n[[planners]]"), "no stage 'lunch'"),
         (
             ("[[planners]]", "[[formulations]]\nstage = 'cluster'\nlunch = 1\n[[planners]]"),
-            "formulations[0].lunch: no such option",
+            "formulations[0].lunch: no such parameter; these formulations have psi",
         ),
         (
             ("[[planners]]", "[[formulations]]\nstage = 'cluster'\nsolvers = 'x'\n[[planners]]"),

@@ -125,7 +125,7 @@ class _Sums:
         sums = np.asarray(np.bincount(self._place, values, self._n_places), float)
         sizes = np.bincount(self._place, np.abs(values), self._n_places)
         # What is left of terms that cancel is no coefficient, but their rounding.
-        sums[np.abs(sums) <= CANCELLED * sizes] = 0.0
+        sums[(np.abs(sums) <= CANCELLED * sizes) & np.isfinite(sizes)] = 0.0
         return sums
 
     def vary(self, n_parameters: int) -> bool:
