@@ -15,7 +15,7 @@ from .outputs import named_values
 
 if TYPE_CHECKING:
     from ..mission.metrics import Metrics
-    from ..studies.analysis.tradeoff import Regions, Tradeoff
+    from ..studies.analysis.tradeoff_results import Regions, Tradeoff
 
 
 def register(app: typer.Typer) -> None:

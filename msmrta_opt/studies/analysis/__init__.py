@@ -4,5 +4,5 @@ Of solves: `agreement` (contradictions), `regression` (against a baseline) with 
 other programs), `times` (shifted means, steps of the performance profile) and `profile` (its picture).
 Of formulations: `score` (by the plans they make), `choices` (who gets what), `witness` (a mission that
 tells two apart). Of the staged planner: `staging` (what each stage costs) with `staging_picture`,
-`tradeoff` (what ψ and β do) with `tradeoff_pictures` and `tradeoff_pages`.
+`tradeoff` (what ψ and β do) with its `tradeoff_results`, `tradeoff_pictures` and `tradeoff_pages`.
 """

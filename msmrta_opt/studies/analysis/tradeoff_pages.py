@@ -18,7 +18,6 @@ from ...plots.mission import GAP, MARGIN, WIDTH
 from ...plots.style import FAINT
 from ...plots.titles import name_of
 from ...plots.two_plans import draw_maps, maps_height, plans_key
-from .tradeoff import Assignment, Regions, Segment, Tradeoff
 from .tradeoff_pictures import (
     SYMBOL,
     numbers_of,
@@ -29,6 +28,7 @@ from .tradeoff_pictures import (
     plot_value,
     short,
 )
+from .tradeoff_results import Assignment, Regions, Segment, Tradeoff
 
 INNER = WIDTH - 2 * MARGIN
 TITLE, PANEL, CHART = 0.72, 3.9, 2.0

@@ -25,7 +25,7 @@ from ...plots.figure import own_axes, size_of
 from ...plots.legends import legend_below
 from ...plots.lettering import as_written, width_of
 from ...plots.style import FAINT, INK, SERIES, readable_on, robot_colour
-from .tradeoff import Region, Regions, Tradeoff
+from .tradeoff_results import Region, Regions, Tradeoff
 
 VALUE, FIRST, SECOND = SERIES
 SYMBOL = {"psi": "ψ", "beta": "β"}
