@@ -37,7 +37,8 @@ def settle(program: Program) -> Settled | None:
     if not program.integer.all() or not np.isfinite([program.lower, program.upper]).all():
         return None
     widths = np.maximum(np.floor(program.upper) - np.ceil(program.lower) + 1, 0)
-    n_points = float(np.prod(widths))
+    with np.errstate(over="ignore"):  # a thousand binaries have more points than a float can count
+        n_points = float(np.prod(widths))
     if n_points > FEW:
         return None
     if n_points == 0:

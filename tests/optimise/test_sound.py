@@ -197,6 +197,11 @@ def test_all_points_of_a_small_program_are_looked_at() -> None:
     assert settle(program([[2, 3]], 7, [3, 4], upper=INF)) is None
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_program_of_more_points_than_floats_count_is_left_alone_without_a_warning() -> None:
+    assert settle(program([[1] * 1100], 7, [1] * 1100, upper=1, sense="max")) is None
+
+
 def test_a_solution_says_its_tolerances_and_what_became_of_its_start() -> None:
     knapsack = program([[2, 3]], 7, [3, 4], upper=3, sense="max")
     solution = solve_program(knapsack, solver="scip", options=Options(start=np.array([3.0, 3.0])))
