@@ -10,7 +10,7 @@ DIR holds the files as their authors publish them, and in ``expected.json`` the 
 - ``movingai/maps/NAME.map`` and ``movingai/scen/NAME.scen``: shortest 4-connected walks;
 - ``mps/NAME.mps``: linear and integer programs, some infeasible or unbounded;
 - ``trp_latency/NAME.txt``: one repairman from the first point, minimum sum of arrival times;
-- ``mtsp_minmax/NAME``: TSPLIB, several salesmen from the first city and back, their longest tour
+- ``mtsp_minmax/NAME``: TSPLIB, several salesmen from a depot and back, their longest tour
   at its minimum.
 
 Each program is solved by each solver named (``auto`` without any). The exit status is 1 if a value
@@ -31,7 +31,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from external_routing import UNPROVEN, by_proof, one_kind, read_lower_rows, read_points
+from external_routing import UNPROVEN, by_proof, one_kind, read_points, read_tsplib
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 
@@ -206,7 +206,7 @@ def mtsp_minmax(folder: Path, values: dict[str, Any]) -> Iterator[Case]:
     """Several salesmen: makespan of robots that return."""
     for item in values["values"]:
         n_robots, expected = item["m"], item["minmax"]
-        lengths = read_lower_rows(folder / item["instance"])
+        lengths = read_tsplib(folder / item["instance"])
         data = one_kind(lengths, n_robots, return_to_start=True)
         title, run = f"{item['instance']}, {n_robots} tours", partial(by_proof, data, "makespan")
         yield Case(title, "makespan, branch and cut", expected, run, False)

@@ -41,21 +41,61 @@ def read_points(path: Path) -> Floats:
     return np.asarray(np.floor(np.hypot(apart[..., 0], apart[..., 1])))
 
 
-def read_lower_rows(path: Path) -> Floats:
-    """Distances, shape ``(n, n)``, of a TSPLIB file that lists their lower triangle by rows."""
+def read_tsplib(path: Path) -> Floats:
+    """Distances, shape ``(n, n)``, of a TSPLIB file, the depot first.
+
+    A matrix (lower rows, upper rows or full) has its first node as the depot. Coordinates are points of
+    a plane, GEO ones, too; their distances are rounded to whole numbers, and the depot is that of
+    ``DEPOT_SECTION``, else an added point, the mean of all.
+    """
     text = read_text(path)
+    kind = re.search(r"^EDGE_WEIGHT_TYPE\s*:\s*(\w+)", text, re.MULTILINE)
+    if kind is not None and kind[1] in ("EUC_2D", "GEO"):
+        return _between_points(text, path)
+    return _matrix(text, path)
+
+
+def _between_points(text: str, path: Path) -> Floats:
+    numbers = r"((?:[ \t]*[-+\d.eE]+)+\s)*"
+    found = re.search(rf"^NODE_COORD_SECTION\s+({numbers})", text, re.MULTILINE)
+    rows = [] if found is None else [line.split() for line in found[1].splitlines() if line.strip()]
+    if not rows or any(len(row) != 3 for row in rows):
+        raise InputError("give a number and two coordinates a line", file=path)
+    points = np.array(rows, float)
+    depot = re.search(r"^DEPOT_SECTION\s+(\d+)", text, re.MULTILINE)
+    if depot is None:
+        points = np.vstack([[0, *points[:, 1:].mean(axis=0)], points])
+    else:
+        first = np.flatnonzero(points[:, 0] == int(depot[1]))
+        if len(first) != 1:
+            raise InputError(f"depot {depot[1]} is no node; give one", file=path)
+        points = np.vstack([points[first], np.delete(points, first, axis=0)])
+    apart = points[:, None, 1:] - points[None, :, 1:]
+    return np.asarray(np.rint(np.hypot(apart[..., 0], apart[..., 1])))
+
+
+def _matrix(text: str, path: Path) -> Floats:
     size = re.search(r"^DIMENSION\s*:\s*(\d+)", text, re.MULTILINE)
-    form = re.search(r"^EDGE_WEIGHT_FORMAT\s*:\s*LOWER(_DIAG)?_ROW\b", text, re.MULTILINE)
+    form = re.search(
+        r"^EDGE_WEIGHT_FORMAT\s*:\s*(FULL_MATRIX|(LOWER|UPPER)(_DIAG)?_ROW)\b", text, re.MULTILINE
+    )
     weights = re.search(r"^EDGE_WEIGHT_SECTION\s+([\d\s.]*)", text, re.MULTILINE)
     if size is None or form is None or weights is None:
-        raise InputError("give DIMENSION and edge weights by lower rows", file=path)
+        raise InputError("give DIMENSION and edge weights, by rows or in full", file=path)
     lengths = np.zeros((int(size[1]),) * 2)
-    below = np.tril_indices(len(lengths), 0 if form[1] else -1)
+    corner = 0 if form[3] else 1
+    n = len(lengths)
+    if form[2] is None:
+        rows, columns = np.repeat(np.arange(n), n), np.tile(np.arange(n), n)
+    else:
+        rows, columns = np.tril_indices(n, -corner)
+        if form[2] == "UPPER":
+            rows, columns = np.triu_indices(n, corner)
     numbers = weights[1].split()
-    if len(numbers) != len(below[0]):
-        raise InputError(f"{len(numbers)} edge weights; give {len(below[0])}", file=path)
-    lengths[below] = np.array(numbers, float)
-    return lengths + np.tril(lengths, -1).T
+    if len(numbers) != len(rows):
+        raise InputError(f"{len(numbers)} edge weights; give {len(rows)}", file=path)
+    lengths[rows, columns] = np.array(numbers, float)
+    return lengths if form[2] is None else np.maximum(lengths, lengths.T)
 
 
 def one_kind(lengths: Floats, n_robots: int, *, return_to_start: bool) -> RoutingData:

@@ -207,3 +207,35 @@ def test_an_unknown_solver_is_refused_before_anything_is_solved(
 ) -> None:
     assert external.main([str(SMALL), "--solver", "oracle"]) == 2
     assert "no solver 'oracle'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "distances"),
+    [
+        (
+            "DIMENSION: 3\nEDGE_WEIGHT_FORMAT: UPPER_ROW\nEDGE_WEIGHT_SECTION\n1 2\n3\nEOF\n",
+            [[0, 1, 2], [1, 0, 3], [2, 3, 0]],
+        ),
+        (
+            "DIMENSION: 2\nEDGE_WEIGHT_FORMAT: FULL_MATRIX\nEDGE_WEIGHT_SECTION\n0 5\n6 0\nEOF\n",
+            [[0, 5], [6, 0]],
+        ),
+        (
+            # The depot is node 2, and 2.5 is rounded to 2.
+            "EDGE_WEIGHT_TYPE : EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 3 4\n3 3 6.5\n"
+            "DEPOT_SECTION\n 2\n -1\nEOF\n",
+            [[0, 5, 2], [5, 0, 7], [2, 7, 0]],
+        ),
+        (
+            # The depot is the mean of both points.
+            "EDGE_WEIGHT_TYPE: GEO\nNODE_COORD_SECTION\n   1  -3.00 0\n   2  3.00 8\nEOF\n",
+            [[0, 5, 5], [5, 0, 10], [5, 10, 0]],
+        ),
+    ],
+)
+def test_tours_are_read_as_matrices_and_as_points(
+    external: ModuleType, tmp_path: Path, text: str, distances: list[list[float]]
+) -> None:
+    path = tmp_path / "tour.tsp"
+    path.write_text(text, encoding="utf-8")
+    assert external.read_tsplib(path).tolist() == distances
