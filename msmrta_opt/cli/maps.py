@@ -46,7 +46,7 @@ def show_map(
     A floor is a map.yaml of ROS or an image; white is free. A cell is free if a robot of the given
     radius fits into it and can go to each of its free neighbours.
     """
-    from ..mission.map_files import is_floor, read_floor, read_floor_map, read_map_file
+    from ..mission.map_files import is_floor, read_floor_map, read_map_file
     from ..mission.maps import write_map
     from .console import say, table, write_json
     from .outputs import check_outputs
@@ -56,9 +56,8 @@ def show_map(
     rows: list[tuple[Any, ...]] = []
     facts: dict[str, Any] = {}
     if is_floor(file):
-        floor = read_floor(file, resolution=resolution)
         made = read_floor_map(file, **options)
-        grid = made.grid
+        floor, grid = made.floor, made.grid
         n_rows, n_cols = floor.state.shape
         rows += [
             ("pixels", f"{n_rows} × {n_cols} of {floor.resolution:g} m"),
@@ -99,7 +98,7 @@ def show_map(
     if figure is not None:
         from ..plots import plot_floor, plot_map, save_figure
 
-        save_figure(plot_floor(floor, made) if is_floor(file) else plot_map(grid), figure)
+        save_figure(plot_floor(made) if is_floor(file) else plot_map(grid), figure)
         say(f"picture written to {figure}")
     table(f"Map {grid.name}", ["what", "value"], rows)
 

@@ -35,6 +35,8 @@ class Coarsening:
 
     Attributes
     ----------
+    floor : Occupancy
+        What was read.
     grid : GridMap
         The cells, with their frame.
     fits : bool array, shape (n_pixel_rows, n_pixel_cols)
@@ -50,6 +52,7 @@ class Coarsening:
         what is too narrow for cells of this size.
     """
 
+    floor: Occupancy
     grid: GridMap
     fits: Bools
     fits_somewhere: Bools
@@ -108,6 +111,7 @@ def coarsen(
     pixel = floor.resolution**2
     frame = Frame(cell_size, floor.origin, shape[0])
     return Coarsening(
+        floor=floor,
         grid=GridMap(free, name=floor.name, source=floor.source, frame=frame),
         fits=fits,
         fits_somewhere=size > 0,

@@ -8,7 +8,6 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from ..mission.coarsening import Coarsening
-from ..mission.occupancy import Occupancy
 from .figure import Picture
 from .lettering import as_written
 
@@ -18,21 +17,20 @@ PIXELS = 1200
 
 
 @as_written
-def plot_floor(floor: Occupancy, made: Coarsening) -> Figure:
+def plot_floor(made: Coarsening) -> Figure:
     """Draw what was read, and the cells that robots can use.
 
     Parameters
     ----------
-    floor : Occupancy
-        What was read.
     made : Coarsening
-        What became of it.
+        A floor, and what became of it.
 
     Returns
     -------
     Figure
         Not known to pyplot; `save_figure` writes it, a notebook shows it.
     """
+    floor = made.floor
     n_rows, n_cols = floor.state.shape
     height = float(np.clip(5.5 * n_rows / n_cols, 2.0, 8.0))
     figure = Picture(figsize=(12, height + 1.5), layout="constrained")

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from support.own_models import ENOUGH
 from support.programs import INF, program
 
 from msmrta_opt.diagnosis import explain as explaining
@@ -17,29 +18,6 @@ from msmrta_opt.optimise.export import write_program
 
 Run = Callable[..., int]
 Said = pytest.CaptureFixture[str]
-
-ENOUGH = '''"""Some clusters are taken."""
-import cvxpy as cp
-from msmrta_opt.optimise.formulation import ClusterData, Parameter, Spec
-
-SPEC = Spec(
-    stage="cluster",
-    title="at least so many clusters are taken",
-    parameters={"need": Parameter(0, 100, 1, "how many")},
-)
-
-
-def build(data: ClusterData) -> cp.Problem:
-    need = cp.Parameter(nonneg=True, name="need")
-    x = cp.Variable(data.w.shape, boolean=True, name="x")
-    return cp.Problem(
-        cp.Minimize(cp.sum(x)),
-        [
-            (cp.sum(x, axis=0) <= 1).set_label("cluster {c} has at most one robot"),
-            (cp.sum(x) >= need).set_label("enough are taken"),
-        ],
-    )
-'''
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import typer
+from support.own_models import ENOUGH
 
 from msmrta_opt import cli, formulations
 from msmrta_opt.cli import programs
@@ -16,29 +17,6 @@ from msmrta_opt.optimise.solve import solve_program
 from msmrta_opt.planners import plan
 
 Run = Callable[..., int]
-
-ENOUGH = '''"""Some clusters are taken."""
-import cvxpy as cp
-from msmrta_opt.optimise.formulation import ClusterData, Parameter, Spec
-
-SPEC = Spec(
-    stage="cluster",
-    title="at least so many clusters are taken",
-    parameters={"need": Parameter(0, 100, 1, "how many")},
-)
-
-
-def build(data: ClusterData) -> cp.Problem:
-    need = cp.Parameter(nonneg=True, name="need")
-    x = cp.Variable(data.w.shape, boolean=True, name="x")
-    return cp.Problem(
-        cp.Minimize(cp.sum(x)),
-        [
-            (cp.sum(x, axis=0) <= 1).set_label("cluster {c} has at most one robot"),
-            (cp.sum(x) >= need).set_label("enough are taken"),
-        ],
-    )
-'''
 
 
 @pytest.fixture
