@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .diagnosis.explain import Explanation as Explanation
     from .diagnosis.explain import explain as explain
     from .mission.coarsening import coarsen as coarsen
+    from .mission.convergence import Convergence as Convergence
     from .mission.draft import draft_mission as draft_mission
     from .mission.errors import CheckError as CheckError
     from .mission.errors import InputError as InputError

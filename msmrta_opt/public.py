@@ -30,6 +30,7 @@ HOME = MappingProxyType(
         "draft_mission": "mission.draft",
         "Plan": "mission.plan",
         "PlanDifference": "mission.plan_difference",
+        "Convergence": "mission.convergence",
         "Metrics": "mission.metrics",
         "check_plan": "certify.plan",
         "random_mission": "mission.generate",

@@ -25,6 +25,7 @@ from .._version import __version__
 from ..mission.errors import CheckError, MistakesError, MsmrtaError
 from . import (
     compare,
+    convergence,
     diagnosis,
     exact,
     generate,
@@ -53,8 +54,8 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help starts in half the time
 )
 for group in (
-    missions, instances, generate, maps, exact, plans, plan_differences, replay, models, programs,
-    diagnosis, watch, proofs, compare, tradeoff, study,
+    missions, instances, generate, maps, exact, convergence, plans, plan_differences, replay, models,
+    programs, diagnosis, watch, proofs, compare, tradeoff, study,
 ):  # fmt: skip
     group.register(app)
 

@@ -16,6 +16,7 @@ from pydantic import Field, NonNegativeInt
 
 from ..public import load
 from . import display
+from .convergence import Convergence, SearchRecord
 from .errors import InputError
 from .files import write_text
 from .instance import CellField, Instance
@@ -134,6 +135,8 @@ class Plan(PlanRecord):
     clusters: tuple[Cluster, ...] = ()
     certificates: tuple[Certificate, ...] = ()
     planning_seconds: dict[str, Time] = Field(default_factory=dict)
+    search: SearchRecord | None = None
+    """How incumbent and bound closed in, where the planner keeps it; see `convergence`."""
 
     @cached_property
     def metrics(self) -> Metrics:
@@ -205,6 +208,21 @@ class Plan(PlanRecord):
         """What `other` does otherwise: visits moved, metrics beside each other, a picture of both."""
         return PlanDifference(self, other)
 
+    def convergence(self, **others: Plan) -> Convergence:
+        """Incumbent and bound of the search over time: a table, and a picture.
+
+        Parameters
+        ----------
+        **others : Plan
+            Further plans by name, to be laid over this one.
+
+        Raises
+        ------
+        InputError
+            If a plan keeps no record of a search, as only the exact planner does.
+        """
+        return Convergence({self.planner: self, **others})
+
     def plot(self, **options: Any) -> Figure:
         """Draw the plan: the three panels of the paper's Fig. 2; see `plots.plot_mission`."""
         figure: Figure = load("plots").plot_mission(self, **options)
@@ -237,7 +255,7 @@ class Plan(PlanRecord):
         """Whether both plans are the same but for the time that planning took."""
         mine, theirs = self.document(), other.document()
         for document in (mine, theirs):
-            document.pop("planning_seconds")
+            del document["planning_seconds"], document["search"]
         return mine == theirs
 
     def __repr__(self) -> str:

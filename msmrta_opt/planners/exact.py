@@ -41,6 +41,7 @@ from .support.first_routes import MODEL, first_routes
 from .support.improvement import stops_of
 from .support.planner import IMPROVING, SOLVING, Planner, Stopwatch
 from .support.record import assemble
+from .support.recorder import Recorder
 
 STAGE = "exact"
 
@@ -110,15 +111,16 @@ def run(
     # Until it is returned: a plan that is worked out is not lost to a late Ctrl-C.
     with interruptible():
         with watch("joint problem"):
+            recorder = Recorder(aim, callbacks)
             progress = Progress(
                 data,
                 aim,
                 first_routes(situation, data, aim, stop),
                 stop=stop,
-                callbacks=callbacks,
+                callbacks=recorder,
             )
             bound = _solve(progress, seed, tuned)
-            routes = progress.routes
+            routes, search = progress.routes, recorder.ended(progress.state())
         with watch("path planning"):
             legs = path_planning(known, stops_of(situation, routes, STAGE))
             if return_to_start:
@@ -145,6 +147,7 @@ def run(
             update={
                 "unserved": (*plan.unserved, *_beyond_limits(situation, data)),
                 "certificates": (certificate,),
+                "search": search,
             }
         )
 
@@ -163,6 +166,7 @@ def _solve(progress: Progress, seed: int, parameters: Parameters) -> Bound:
                 stop=progress.until_done(seconds),
                 seed=seed,
                 parameters=tuning,
+                improved=progress.offer,
             )
         )
 

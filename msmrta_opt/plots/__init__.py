@@ -6,10 +6,11 @@ the caller alone: pyplot does not know them, no global setting changes, no displ
 notebook, what these functions return shows itself as the last value of a cell.
 
 Panels: `scouting` and `coverage`, `assignment`, `paths`, `gantt`, and `mission` with all of them and a
-`key`; `two_plans` beside each other; `floor` is what a map was made of. On a map, a `canvas`, stand
-`marks` that `placing` keeps apart, `walks` and `clusters`, or the `overview` of a large mission. What
-all share: `figure`, `legends`, `titles`, `lettering` (any name as it is written), `style` (what stands
-for what), `saving`. Not a picture but a page: `replay`.
+`key`; `two_plans` beside each other; `floor` is what a map was made of. Charts: `convergence`.
+On a map, a `canvas`, stand `marks` that `placing` keeps apart, `walks` and `clusters`, or the
+`overview` of a large mission. What all share: `figure`, `legends`, `titles`,
+`lettering` (any name as it is written), `style` (what stands for what), `saving`. Not a picture but
+a page: `replay`.
 
 A robot keeps its colour in every picture (`robot_colour`), and red means unserved or unfound. Names on
 the pictures are short: R0 is the robot with id 0, S0 a scout, C0 a cluster; a disc holds a victim's id.
@@ -17,6 +18,7 @@ the pictures are short: R0 is the robot with id 0, S0 a scout, C0 a cluster; a d
 
 from .assignment import plot_assignment
 from .canvas import plot_map
+from .convergence import plot_convergence
 from .coverage import plot_coverage
 from .floor import plot_floor
 from .gantt import plot_gantt
@@ -32,6 +34,7 @@ __all__ = [
     "FORMATS",
     "Replay",
     "plot_assignment",
+    "plot_convergence",
     "plot_coverage",
     "plot_floor",
     "plot_gantt",

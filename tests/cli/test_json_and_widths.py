@@ -43,6 +43,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "regions": ("tradeoff", "corridor", "--over", "psi,beta"),
     "compare-plans": ("compare-plans", "corridor", "--seconds", "0"),
     "diff-plans": ("diff-plans", "A", "B"),
+    "convergence": ("convergence", "C"),
     "study status": ("study", "status", "STUDY"),
 }
 """Lines that print tables; compare, whose solves are processes, has its own tests."""
@@ -56,12 +57,13 @@ planners = [{ planner = "random" }]
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where A and B are plans, and STUDY is a study of which nothing is done."""
+    """Where A, B and C are plans, and STUDY is a study of which nothing is done."""
     from msmrta_opt.studies.ledger import Ledger
 
     folder = tmp_path_factory.mktemp("shown")
     for name, planner in (("A", "greedy"), ("B", "msmrta")):
         plan(example("two_rooms"), planner=planner).save(folder / name)
+    plan(example("corridor"), planner="exact").save(folder / "C")
     (folder / "STUDY").write_text(STUDY)
     Ledger(folder / "STUDY.sqlite").close()
     return folder

@@ -98,6 +98,7 @@ def improve_plan(
         "routes": walks,
         "options": options,
         "planning_seconds": {**plan.planning_seconds, **watch.seconds},
+        "search": None,  # that of the old plan
     }
     # Validated anew, since figures that the old plan has worked out must not stay with it.
     fields = {name: getattr(plan, name) for name in Plan.model_fields}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import count
 
 import numpy as np
@@ -47,7 +48,7 @@ class CompiledSearch:
         )
         begin(self.problem, self.state, self.settings)
 
-    def run(self, stop: StoppingCriterion) -> None:
+    def run(self, stop: StoppingCriterion, improved: Callable[[float], None]) -> None:
         """Search until `stop`, over whose time and iterations the temperature falls."""
         scale = max(float(self.state.cost[0]) / self.n_shares, 1e-9)
         first = self.parameters.first_temperature
@@ -62,6 +63,7 @@ class CompiledSearch:
             # Rounded, since the last digits of a power differ from machine to machine.
             block = int(min(BLOCK, iterations - made))
             steps(self.problem, self.state, self.settings, float(f"{temperature:.9g}"), block)
+            improved(float(self.state.cost[1]))
 
     def best_routes(self) -> Routes:
         """The best routes found."""

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import math
 import random
+import time
+from collections.abc import Callable
 from itertools import count
 from typing import Protocol
 
@@ -24,6 +26,9 @@ from ..parameters import HeuristicsParameters
 from ..problem import SUMS, Routes, RoutingData, faults
 from ..stop import MaximumIterations, StoppingCriterion
 
+TELL_SECONDS = 0.1
+"""Between two tellings of better routes."""
+
 
 def ruin_and_recreate(
     data: RoutingData,
@@ -33,6 +38,7 @@ def ruin_and_recreate(
     stop: StoppingCriterion | None = None,
     seed: int = 0,
     parameters: HeuristicsParameters | None = None,
+    improved: Callable[[Routes], object] | None = None,
 ) -> Routes:
     """Routes at least as good as `routes`, by local search.
 
@@ -51,6 +57,8 @@ def ruin_and_recreate(
         Of all random choices.
     parameters : HeuristicsParameters, optional
         How to search.
+    improved : callable, optional
+        Given better routes while the search goes on, at most every `TELL_SECONDS`.
 
     Raises
     ------
@@ -64,7 +72,16 @@ def ruin_and_recreate(
         return routes
     parameters = parameters or HeuristicsParameters()
     search = _search(data, routes, aim, parameters, seed)
-    search.run(stop or MaximumIterations(parameters.default_iterations))
+    best, told = math.inf, -math.inf
+
+    def tell(cost: float) -> None:
+        nonlocal best, told
+        if improved is None or cost >= best or time.monotonic() < told + TELL_SECONDS:
+            return
+        improved(search.best_routes())
+        best, told = cost, time.monotonic()
+
+    search.run(stop or MaximumIterations(parameters.default_iterations), tell)
     found = search.best_routes()
     # Sums are taken in another order here than there: equal routes are no improvement.
     better = aim.value(data, found) < aim.value(data, routes) * (1.0 - SUMS)
@@ -74,8 +91,8 @@ def ruin_and_recreate(
 class Search(Protocol):
     """A search that has been begun."""
 
-    def run(self, stop: StoppingCriterion) -> None:
-        """Search until `stop`."""
+    def run(self, stop: StoppingCriterion, improved: Callable[[float], None]) -> None:
+        """Search until `stop`; what the best routes cost is told now and then."""
 
     def best_routes(self) -> Routes:
         """The best routes found."""
@@ -144,7 +161,7 @@ class _Search:
         self.cost = self._cost()
         self.best = (self.cost, list(self.routes), list(self.who))
 
-    def run(self, stop: StoppingCriterion) -> None:
+    def run(self, stop: StoppingCriterion, improved: Callable[[float], None]) -> None:
         """Search until `stop`, over whose time and iterations the temperature falls."""
         n_shares = 1 if self.objective.only_last else self.data.n_robots
         scale = self.cost / n_shares
@@ -154,6 +171,7 @@ class _Search:
         spent = 0.0
         for step in count():
             if step % 64 == 0:
+                improved(self.best[0])
                 left = stop.seconds_left()
                 if left <= 0.0:
                     return

@@ -185,3 +185,15 @@ def test_an_objective_that_is_not_compiled_is_searched_all_the_same() -> None:
     found = ruin_and_recreate(data, start, own, stop=MaximumIterations(300))
     assert faults(data, found) == []
     assert own.value(data, found) <= own.value(data, start)
+
+
+def test_better_routes_are_told_while_the_search_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f"{HEURISTICS}.ruin_and_recreate.TELL_SECONDS", 0.0)
+    data = random_data(3, 3, 8, 14)
+    told: list[Routes] = []
+    start = first_come(data)
+    found = ruin_and_recreate(data, start, stop=MaximumIterations(1500), improved=told.append)
+    assert not any(faults(data, routes) for routes in told)
+    worth = [value(data, routes, "total_time") for routes in told]
+    assert worth == sorted(set(worth), reverse=True)
+    assert worth[-1] == pytest.approx(value(data, found, "total_time"))
