@@ -8,7 +8,7 @@ a grid by `coarsening`, and its `frame` is its place in the world; `map_files` r
 whose `fields` and `map_field` are read by `validation` and whose `mistakes` no schema knows, the
 `shipped` ones as `examples`; `generate` draws one, `draft` makes one of `places`. A plan is in `plan`,
 made of routes in `route` and, if it claims a bound, of what proves it in `proof` and how a search
-came to it in `convergence`; `metrics` says how good it is, `plan_tables` and `plan_difference` are a plan as tables and two beside each other, `display`
-is how they show themselves. `exact` says which fraction a number stands for, where figures are checked
-exactly.
+came to it in `convergence`; `metrics` says how good it is,
+`plan_tables` and `plan_difference` are a plan as tables and two beside each other, `display` is how they
+show themselves. `exact` says which fraction a number stands for, where figures are checked exactly.
 """
