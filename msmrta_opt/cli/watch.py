@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,7 +16,8 @@ from .missions import InstanceFile
 from .models import Folders, Model, Options, Parameters, numbers, prepared
 
 if TYPE_CHECKING:
-    from ..diagnosis.watched import State
+    from ..diagnosis.watched import Built, Solved
+    from ..optimise.registry import Formulation
 
 POLL_SECONDS = 0.1
 """How often the file is looked at."""
@@ -40,9 +42,8 @@ def watch(
     ] = None,
 ) -> None:
     """Solve a formulation, and again on every save of its file; say what changed. Ctrl-C ends it."""
-    from ..diagnosis.watched import state
+    from ..diagnosis.watched import built, solved
     from ..interruption import interrupted, interruptible
-    from ..optimise.registry import Formulation
     from .console import say
     from .outputs import check_outputs
 
@@ -50,29 +51,27 @@ def watch(
     formulation, data = prepared(model, instance, options, folders)
     values = numbers(formulation, parameters)
 
-    def solve(formulation: Formulation) -> State:
-        return state(formulation, data, solver=solver, time_limit=time_limit, **values)
+    def build(formulation: Formulation) -> Built:
+        return built(formulation, data, **values)
+
+    def solve(what: Built) -> Solved:
+        return solved(what.program, solver=solver, time_limit=time_limit)
+
+    def show(text: str) -> None:
+        say(text)
+        sys.stdout.flush()  # where it is piped, too: the next save may be far
 
     with interruptible():
-        watched = Watched(formulation.name, formulation.path, solve)
-        say(f"{formulation.path}: watching; Ctrl-C ends it")
-        said: Said | None = watched.first(formulation)
+        watched = Watched(formulation.name, formulation.path, build, solve, show)
+        show(f"{formulation.path}: watching; Ctrl-C ends it")
+        said: dict[str, Any] | None = watched.first(formulation)
         while True:
             if said is not None:
-                say(said.text)
-                _append(json, said.document)
+                _append(json, said)
             if interrupted():
                 return
             time.sleep(POLL_SECONDS)
             said = watched.look()
-
-
-@dataclass(frozen=True)
-class Said:
-    """What there is to say of one save."""
-
-    text: str
-    document: dict[str, Any]
 
 
 @dataclass
@@ -81,31 +80,31 @@ class Watched:
 
     name: str
     path: Path
-    solve: Callable[[Any], Any]
-    _last: Any = None
+    build: Callable[[Formulation], Built]
+    solve: Callable[[Built], Solved]
+    show: Callable[[str], None]
+    _last: tuple[Built, Solved] | None = None
     _seen: tuple[int, int] | None = None
     _digest: bytes = b""
     _pending: tuple[int, int] | None = (0, 0)
     _saves: int = field(default=0)
 
-    def first(self, formulation: Any) -> Said:
-        """What it is at the beginning."""
+    def first(self, formulation: Formulation) -> dict[str, Any]:
+        """Show what it is at the beginning, and give it as a document."""
         from ..mission.errors import MsmrtaError
 
         self._seen, self._digest = self._stamp(), self._content()
         try:
-            self._last = self.solve(formulation)
+            return self._told(formulation)
         except MsmrtaError as error:
             return self._broken(error)
-        return Said(self._last.text, self._document(lines=self._last.text.splitlines()))
 
-    def look(self) -> Said | None:
-        """What a save since the last look has changed; ``None`` if there was none.
+    def look(self) -> dict[str, Any] | None:
+        """Show what a save since the last look has changed; ``None`` if there was none.
 
         A file that has just been written, or is gone, is left until it is so at two looks: an editor
         may be at it still.
         """
-        from ..diagnosis.watched import edit
         from ..mission.errors import MsmrtaError
         from ..optimise import registry
 
@@ -124,29 +123,32 @@ class Watched:
         if stamp is None:
             return self._broken(f"{self.path}: the file is gone")
         try:
-            now = self.solve(registry.reload_model(self.name))
+            formulation = registry.reload_model(self.name)
+            return self._told(formulation, f"{self.path.name}, save {self._saves}:")
         except MsmrtaError as error:
             return self._broken(error)
-        head = f"{self.path.name}, save {self._saves}:"
-        if self._last is None:
-            text, lines = now.text, now.text.splitlines()
-        else:
-            found = edit(self._last, now)
-            text, lines = found.text, list(found.lines)
-        self._last = now
-        return Said(f"{head}\n{text}", self._document(lines=lines))
 
-    def _document(self, **what: Any) -> dict[str, Any]:
-        found = self._last and self._last.solution
-        result = {"save": self._saves, **what}
-        if found:
-            result |= {"status": found.status, "objective": found.objective, "bound": found.bound}
-            result["gets"] = {who: list(names) for who, names in self._last.gets.items()}
-        return result
+    def _told(self, formulation: Formulation, head: str = "") -> dict[str, Any]:
+        """Show the program as soon as there is one, and its solution when there is one."""
+        from ..diagnosis.watched import program_changes, solution_changes
 
-    def _broken(self, error: object) -> Said:
+        last, now = self._last, self.build(formulation)
+        lines = program_changes(last[0], now) if last else now.lines
+        self.show("\n".join([*([head] if head else []), *_indented(lines)]))
+        found = self.solve(now)
+        more = solution_changes(last[1], found) if last else found.lines
+        self._last = now, found
+        if more or not lines:
+            self.show("\n".join(_indented(more or ["nothing has changed"])))
+        result = {"save": self._saves, "lines": [*lines, *more], "status": found.solution.status}
+        if found.solution.found:
+            result |= {"objective": found.solution.objective, "bound": found.solution.bound}
+        return {**result, "gets": {who: list(names) for who, names in found.gets.items()}}
+
+    def _broken(self, error: object) -> dict[str, Any]:
         line = f"broken: {' '.join(str(error).split())}"
-        return Said(line, {"save": self._saves, "broken": line})
+        self.show(line)
+        return {"save": self._saves, "broken": line}
 
     def _stamp(self) -> tuple[int, int] | None:
         try:
@@ -160,6 +162,10 @@ class Watched:
             return hashlib.sha256(self.path.read_bytes()).digest()
         except OSError:
             return b""
+
+
+def _indented(lines: Sequence[str]) -> list[str]:
+    return [f"  {line}" for line in lines]
 
 
 def _append(path: Path | None, document: dict[str, Any]) -> None:

@@ -243,7 +243,7 @@ def _difference(a: Subject, b: Subject, clock: Clock) -> Difference:
 
 
 def _column_places(program: Program) -> dict[str, int]:
-    return {program.column_name(j): j for j in range(program.n_columns)}
+    return {name: j for j, name in enumerate(program.column_names)}
 
 
 Places = tuple[dict[str, int], dict[str, int]] | tuple[dict[str, int], ...]

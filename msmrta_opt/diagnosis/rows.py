@@ -68,16 +68,19 @@ class Row:
 
 def named_rows(program: Program) -> dict[str, Row]:
     """The rows of `program`; of those with one name, the later ones have a number behind."""
-    matrix, told = program.matrix, signs(program)
-    columns = [program.column_name(j) for j in range(program.n_columns)]
+    matrix, told = program.matrix, signs(program).tolist()
+    columns = program.column_names
+    starts, indices, data = matrix.indptr.tolist(), matrix.indices.tolist(), matrix.data.tolist()
+    all_sides = list(zip(program.row_lower.tolist(), program.row_upper.tolist(), strict=True))
     found: dict[str, Row] = {}
     for block in program.rows:
         for i in range(block.start, block.stop):
-            entries = slice(matrix.indptr[i], matrix.indptr[i + 1])
-            pairs = zip(matrix.indices[entries], matrix.data[entries], strict=True)
-            terms = {columns[j]: float(told[i] * a) for j, a in pairs if a}
-            sides = (float(program.row_lower[i]), float(program.row_upper[i]))
-            lower, upper = sides if told[i] > 0 else (-sides[1], -sides[0])
+            sign = told[i]
+            entries = slice(starts[i], starts[i + 1])
+            pairs = zip(indices[entries], data[entries], strict=True)
+            terms = {columns[j]: float(sign * a) for j, a in pairs if a}
+            sides = all_sides[i]
+            lower, upper = sides if sign > 0 else (-sides[1], -sides[0])
             name, number = block.element(i), 2
             while name in found:
                 name = f"{block.element(i)} ({number})"

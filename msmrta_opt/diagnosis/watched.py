@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from ..optimise.assigned import Assigned, assigned
 from ..optimise.compile import compile_for
+from ..optimise.program import Program
 from ..optimise.registry import Formulation
 from ..optimise.solution import Solution
 from ..optimise.solve import AUTO, solve_program
@@ -16,92 +17,83 @@ from .rows import Row, named_rows
 
 
 @dataclass(frozen=True, eq=False)
-class State:
-    """A formulation on its data, solved."""
+class Built:
+    """A formulation on its data, as a program, not yet solved."""
 
-    solution: Solution
+    program: Program
     structure: str
     """What its matrix proves, in words; empty for nothing."""
     rows: dict[str, Row]
     columns: dict[str, str]
     """By name, the bounds and whether it is integer, in words."""
     costs: dict[str, float]
+
+    @property
+    def lines(self) -> list[str]:
+        """All of it, as the first thing that is shown."""
+        structure = self.structure or "no structure recognised"
+        return [f"{len(self.columns)} variables, {len(self.rows)} rows; {structure}"]
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """What a solver found of it."""
+
+    solution: Solution
     gets: Assigned
 
     @property
-    def text(self) -> str:
-        """All of it, as the first thing that is shown."""
-        lines = [
-            f"  {_result(self.solution)}",
-            f"  {len(self.columns)} variables, {len(self.rows)} rows; "
-            f"{self.structure or 'no structure recognised'}",
+    def lines(self) -> list[str]:
+        """All of it, as what is shown first."""
+        return [
+            _result(self.solution),
+            *(f"{who}: {_list(what)}" for who, what in self.gets.items()),
         ]
-        return "\n".join([*lines, *(f"  {who}: {_list(what)}" for who, what in self.gets.items())])
 
 
-def state(
-    formulation: Formulation,
-    data: Any,
-    *,
-    solver: str = AUTO,
-    time_limit: float | None = None,
-    **parameters: float,
-) -> State:
-    """Solve `formulation` on `data`; the parameters that it does not have are left out.
+def built(formulation: Formulation, data: Any, **parameters: float) -> Built:
+    """Compile `formulation` for `data`; the parameters that it does not have are left out.
 
     Raises
     ------
     MsmrtaError
-        If it cannot be built or solved.
+        If it cannot be built.
     """
     compiled = compile_for(formulation, data)
     program = compiled.program(**formulation.takes(**parameters))
     structure = compiled.structure(program)
-    solution = solve_program(program, solver=solver, options=Options(time_limit=time_limit))
-    names = [program.column_name(j) for j in range(program.n_columns)]
+    names = program.column_names
     kinds = ("continuous", "integer")
     domains = (
-        f"{low:g} to {high:g}, {kinds[bool(whole)]}"
-        for low, high, whole in zip(program.lower, program.upper, program.integer, strict=True)
+        f"{low:g} to {high:g}, {kinds[whole]}"
+        for low, high, whole in zip(
+            program.lower.tolist(), program.upper.tolist(), program.integer.tolist(), strict=True
+        )
     )
-    return State(
-        solution,
+    return Built(
+        program,
         structure.description if structure else "",
         named_rows(program),
         dict(zip(names, domains, strict=True)),
         dict(zip(names, program.cost.tolist(), strict=True)),
-        assigned(program, solution) if solution.found else {},
     )
 
 
-@dataclass(frozen=True)
-class Edit:
-    """What an edit of the file has changed."""
+def solved(program: Program, *, solver: str = AUTO, time_limit: float | None = None) -> Solved:
+    """Solve `program`.
 
-    lines: tuple[str, ...]
-
-    @property
-    def text(self) -> str:
-        """A line for each change."""
-        return "\n".join(f"  {line}" for line in self.lines or ("nothing has changed",))
-
-    def as_dict(self) -> dict[str, Any]:
-        """The same, ready for JSON."""
-        return asdict(self)
+    Raises
+    ------
+    MsmrtaError
+        If it cannot be solved.
+    """
+    solution = solve_program(program, solver=solver, options=Options(time_limit=time_limit))
+    return Solved(solution, assigned(program, solution) if solution.found else {})
 
 
-def edit(before: State, after: State) -> Edit:
-    """What `after` has that `before` had not, and the other way round."""
+def program_changes(before: Built, after: Built) -> list[str]:
+    """What the program `after` has that `before` had not, and the other way round."""
     lines = []
-    old, new = before.solution, after.solution
-    for what, a, b in (
-        ("status", old.status, new.status),
-        ("sense", old.sense, new.sense),
-        ("objective", _number(old.objective), _number(new.objective)),
-        ("bound", _number(old.bound), _number(new.bound)),
-    ):
-        if a != b:
-            lines.append(f"{what}: {a} → {b}")
     if before.structure != after.structure:
         if not after.structure:
             lines.append(f"structure lost: {before.structure}")
@@ -116,12 +108,27 @@ def edit(before: State, after: State) -> Edit:
         for n in before.costs
         if n in after.costs and before.costs[n] != after.costs[n]
     ]
-    lines += _counted("costs changed", costs)
+    return lines + _counted("costs changed", costs)
+
+
+def solution_changes(before: Solved, after: Solved) -> list[str]:
+    """What `after` says that `before` did not: status, objective, bound, and who gets what."""
+    old, new = before.solution, after.solution
+    lines = [
+        f"{what}: {a} → {b}"
+        for what, a, b in (
+            ("status", old.status, new.status),
+            ("sense", old.sense, new.sense),
+            ("objective", _number(old.objective), _number(new.objective)),
+            ("bound", _number(old.bound), _number(new.bound)),
+        )
+        if a != b
+    ]
     for who in dict.fromkeys((*before.gets, *after.gets)):
         had, has = before.gets.get(who), after.gets.get(who)
         if had != has:
             lines.append(f"{who}: {_list(had)} → {_list(has)}")
-    return Edit(tuple(lines))
+    return lines
 
 
 def _parts(what: str, a: dict[str, Any], b: dict[str, Any]) -> list[str]:

@@ -6,6 +6,7 @@ import math
 import re
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -41,7 +42,7 @@ class Block:
     ids: tuple[Ids, ...] = ()
     """The ids along each dimension; positions where none are given."""
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of columns or rows."""
         return math.prod(self.shape)
@@ -53,10 +54,13 @@ class Block:
 
     def index(self, position: int) -> tuple[Id, ...]:
         """The ids of a column or row of this block, by its position in the program."""
-        places = np.unravel_index(position - self.start, self.shape, order="F")
+        rest, places = position - self.start, []
+        for length in self.shape:
+            rest, place = divmod(rest, length)
+            places.append(place)
         if self.ids:
             return tuple(ids[i] for ids, i in zip(self.ids, places, strict=True))
-        return tuple(int(i) for i in places)
+        return tuple(places)
 
     def element(self, position: int) -> str:
         """Its readable name: ``x[7,104]``, or the label with its braces filled.
@@ -64,17 +68,28 @@ class Block:
         Braces take the ids of the axes that they name; in a block whose axes are not known, the
         dimensions in their order. What no brace names follows behind.
         """
-        index = list(self.index(position))
-        letters = self.letters or tuple(dict.fromkeys(BRACES.findall(self.name)))
-        known = {x: i for x, i in zip(letters, index, strict=False) if x}
-        braces = set(BRACES.findall(self.name))
-        name = BRACES.sub(lambda brace: str(known.get(brace[1], brace[0])), self.name)
+        index = self.index(position)
+        return "".join([x if isinstance(x, str) else str(index[x]) for x in self._name])
+
+    @cached_property
+    def _name(self) -> tuple[str | int, ...]:
+        """The name in parts: words, and the dimensions whose ids stand between them."""
+        pieces = BRACES.split(self.name)  # words, a brace, words, …
+        braces = pieces[1::2]
+        letters = self.letters or tuple(dict.fromkeys(braces))
+        known = {x: d for d, x in enumerate(letters[: len(self.shape)]) if x}
+        parts: list[str | int] = [
+            known.get(piece, f"{{{piece}}}") if number % 2 else piece
+            for number, piece in enumerate(pieces)
+        ]
         rest = [
-            str(i)
-            for d, (i, n) in enumerate(zip(index, self.shape, strict=True))
+            d
+            for d, n in enumerate(self.shape)
             if not (d < len(letters) and letters[d] in braces) and (n > 1 or not braces)
         ]
-        return f"{name}[{','.join(rest)}]" if rest else name
+        for number, d in enumerate(rest):
+            parts += ["," if number else "[", d]
+        return (*parts, "]") if rest else tuple(parts)
 
 
 def element_name(blocks: tuple[Block, ...], position: int) -> str:
@@ -228,6 +243,13 @@ class Program:
     def column_name(self, column: int) -> str:
         """For instance ``x[0,2]``."""
         return element_name(self.columns, column)
+
+    @cached_property
+    def column_names(self) -> tuple[str, ...]:
+        """The names of all columns, in their order."""
+        if not self.columns:
+            return tuple(self.column_name(j) for j in range(self.n_columns))
+        return tuple(b.element(j) for b in self.columns for j in range(b.start, b.stop))
 
     def row_name(self, row: int) -> str:
         """For instance ``cluster 2 has at most one robot``."""
