@@ -170,6 +170,10 @@ def _all_solved(rows: Sequence[Record], *, agree: bool) -> bool:
     if failed:
         console().print(f"{len(failed)} solves failed their check", style="bold red")
     is_sound = len(silent) < len(rows) and not failed
+    if is_sound and all(row.objective is None for row in rows):
+        said = ", ".join(dict.fromkeys(row.verdict for row in rows if row not in silent))
+        console().print(f"no program has a solution: {said}", style="yellow")
+        return False
     if is_sound and agree:
         console().print("all solutions agree", style="green")
     return is_sound

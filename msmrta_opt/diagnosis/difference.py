@@ -28,6 +28,14 @@ from .fixings import fixing_name, with_bounds, with_rows
 from .rows import Row, named_rows
 from .why_not import SAME
 
+KINDS = {
+    "optimal": "has a solution",
+    "feasible": "has a solution",
+    "infeasible": "infeasible",
+    "unbounded": "unbounded",
+}
+"""What is known of a program whose solve ended with a status; of others nothing is."""
+
 
 @dataclass(frozen=True)
 class Changed:
@@ -91,11 +99,12 @@ class Difference:
     def optima_differ(self) -> bool | None:
         """Whether an optimum of one is none of the other; ``None`` if it was not found out."""
         both = (self.a_in_b, self.b_in_a)
-        if (self.a_in_b.status == "infeasible") != (self.b_in_a.status == "infeasible"):
+        kinds = {KINDS.get(item.status, "") for item in both}
+        if "" not in kinds and len(kinds) == 2:
             return True
         if any(item.is_feasible is False or item.loss for item in both):
             return True
-        if all(item.loss == 0 for item in both) or all(i.status == "infeasible" for i in both):
+        if all(item.loss == 0 for item in both) or kinds in ({"infeasible"}, {"unbounded"}):
             return False
         return None
 

@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..interruption import interrupted
-from ..mission.errors import ModelError, SolverError
+from ..mission.errors import CheckError, ModelError, MsmrtaError, SolverError
 from ..mission.exact import exact
 from .compile import Compiled
 from .program import Program
+from .solution import Solution
 from .solve import solve_program
 
 LARGEST_DENOMINATOR = 1000
@@ -120,7 +121,8 @@ class Family:
     """
 
     def __init__(self, compiled: Compiled, parameter: str, **others: float) -> None:
-        name = compiled.formulation.name
+        name = self.name = compiled.formulation.name
+        self.over = parameter
         if parameter not in compiled.formulation.spec.parameters:
             raise ModelError(f"{name} has no parameter {parameter!r}")
         declared = compiled.formulation.spec.parameters[parameter]
@@ -190,14 +192,15 @@ class Family:
 
         Raises
         ------
+        CheckError
+            If it has no optimum.
         SolverError
-            If there is no proven optimum.
+            If none was proved.
         """
         self.n_solves += 1
-        solution = solve_program(self.at(t))
+        solution = replace(solve_program(self.at(t)), formulation=self.name)
         if solution.status != "optimal" or not solution.found:
-            reason = solution.message or solution.check
-            raise SolverError(f"at parameter value {t}: {solution.status} ({reason})")
+            raise self._none_at(t, solution)
         return self.line(self.program.flat(solution.values))
 
     def best_with(self, x: Floats, t: Fraction) -> Fraction:
@@ -213,8 +216,14 @@ class Family:
         )
         solution = solve_program(fixed)
         if not solution.found:
-            raise SolverError(f"at parameter value {t}: {solution.status}")
+            raise self._none_at(t, replace(solution, formulation=self.name))
         return self.line(self.program.flat(solution.values)).value(t)
+
+    def _none_at(self, t: Fraction, solution: Solution) -> MsmrtaError:
+        """What to say where `t` has no proven optimum."""
+        kind = CheckError if solution.status in ("infeasible", "unbounded") else SolverError
+        where = f"{self.name} at {self.over} = {float(self.parameter(t)):g}"
+        return kind(f"{where}: {solution.status}: {solution.reason}")
 
     def better(self, a: Fraction, b: Fraction) -> bool:
         """Whether the objective `a` is really better than `b`."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...diagnosis.difference import Difference, diff
 from ...interruption import interrupted, interruptible
-from ...mission.errors import InputError, MsmrtaError
+from ...mission.errors import InputError, ModelError, MsmrtaError
 from ...mission.generate import KINDS, generate_mission
 from ...mission.instance import Instance
 from ...mission.layouts import rubble
@@ -33,14 +33,20 @@ class Witness:
     tried: int
     """Missions that were compared."""
     failed: int = 0
-    """Missions on which one of them could not be built or solved."""
+    """Missions that could not be compared: without such victims, or not solved in time."""
+    reason: str = ""
+    """Of the first of them."""
 
     @property
     def text(self) -> str:
         """The result in words."""
         if self.mission is None or self.difference is None:
-            failed = f", {self.failed} more could not be compared" if self.failed else ""
-            return f"No witness: the optima agree on {self.tried} generated missions{failed}."
+            if not self.failed:
+                return f"No witness: the optima agree on {self.tried} generated missions."
+            return (
+                f"No witness: the optima agree on {self.tried} generated missions; {self.failed} more"
+                f" could not be compared: {self.reason}"
+            )
         return (
             f"A witness, the {self.tried}. mission tried: {self.mission.n_robots} robots and"
             f" {self.mission.n_victims} victims ({self.mission.name}).\n{self.difference.text}"
@@ -80,6 +86,8 @@ def witness(
     ------
     InputError
         If they are of different stages, or `tries` is not positive.
+    ModelError
+        If one cannot be built on one of the missions.
     """
     if a.spec.stage != b.spec.stage:
         raise InputError(
@@ -88,16 +96,24 @@ def witness(
     if tries < 1:
         raise InputError(f"{tries}; give 1 or more", field="tries")
     tried = failed = 0
+    first: MsmrtaError | None = None
+    unsettled = "a solve came to no optimum"
     with interruptible():
         for robots, victims in sizes():
             for seed in range(SEEDS):
                 if tried + failed >= tries or interrupted():
-                    return Witness(None, None, tried, failed)
+                    return Witness(None, None, tried, failed, str(first or unsettled))
                 mission = _mission(robots, victims, seed)
                 try:
                     data = stage_data(mission, a.spec.stage, options)
                     found = diff(a, b, data, time_limit=SECONDS, **parameters)
-                except MsmrtaError:
+                except ModelError:
+                    raise
+                except MsmrtaError as error:
+                    failed += 1
+                    first = first or error
+                    continue
+                if found.optima_differ is None:
                     failed += 1
                     continue
                 tried += 1
