@@ -9,8 +9,14 @@ from pathlib import Path
 import pytest
 
 from msmrta_opt import cli
+from msmrta_opt.studies.ledger import Ledger
 
 PAGE = (Path(__file__).parents[1] / "docs" / "views.md").read_text(encoding="utf-8")
+STUDY = """
+title = "one planner"
+instances = [{ files = ["corridor"] }]
+planners = [{ planner = "greedy" }]
+"""
 LINES = [
     line
     for block in re.findall(r"^```sh\n(.*?)^```$", PAGE, flags=re.MULTILINE | re.DOTALL)
@@ -22,6 +28,8 @@ def test_the_commands_work_and_write_their_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "few.toml").write_text(STUDY)
+    Ledger(tmp_path / "few.sqlite").close()  # as a run that was stopped at once leaves it
     for line in LINES:
         program, *words = shlex.split(line)
         assert program == "msmrta"

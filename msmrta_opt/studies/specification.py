@@ -18,11 +18,14 @@ from pydantic import (
     PositiveFloat,
     PositiveInt,
     ValidationError,
+    field_validator,
     model_validator,
 )
 
 from ..mission.errors import InputError
 from ..mission.files import read_toml
+from ..mission.metrics import metrics_of
+from ..mission.suggestions import meant
 from ..mission.validation import first_problem
 
 Scalar = bool | int | float | str
@@ -128,12 +131,25 @@ class Timing(_Table):
 
 
 class ReportTable(_Table):
-    """What the report compares: the contender that others are measured against."""
+    """What the report compares: by which metric, and against which contender."""
 
     baseline: str | None = None
+    quality: str = "total_time"
+    """The metric by which plans that serve the same are compared."""
     published: dict[str, float] = Field(default_factory=dict)
     """Percent of planning time saved against the baseline, as published, by map."""
     published_source: str = ""
+
+    @field_validator("quality")
+    @classmethod
+    def _is_a_metric_of_plans(cls, name: str) -> str:
+        known = [m.name for m in metrics_of("report") if m.better != "neither"]
+        if name not in known:
+            raise InputError(
+                f"{name!r}{meant(name, known)}; give one of {', '.join(known)}",
+                field="report.quality",
+            )
+        return name
 
 
 class Study(_Table):

@@ -11,9 +11,8 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from ...mission.metrics import metrics_of
 from .blocks import Table
-from .runs import CELL, INSTANCE, METHODS, contenders, per_instance
+from .runs import CELL, INSTANCE, METHODS, contenders, per_instance, varying
 
 ALL_MAPS = "all maps"
 SAVED = "saved (%)"
@@ -90,6 +89,8 @@ def savings_table(
         " the paper's percentages. Beside it the median and the quartiles of what is saved on"
         " each instance, which no single slow instance sways. Only instances that both finished"
         f" count.{told}",
+        {SAVED: "more", "median of instances (%)": "more"},
+        "map",
     )  # fmt: skip
 
 
@@ -98,7 +99,7 @@ def ratios(runs: pd.DataFrame, baseline: str) -> pd.DataFrame:
 
     Instances count that both finished and where the baseline's value is not zero.
     """
-    tables = {m.label: per_instance(runs, m.name) for m in metrics_of("report")}
+    tables = {m.label: per_instance(runs, m.name) for m in varying(runs)}
     if any(baseline not in wide for wide in tables.values()):
         return pd.DataFrame()
     found: dict[tuple[str, str], dict[str, float]] = {}
@@ -121,12 +122,15 @@ def ratios(runs: pd.DataFrame, baseline: str) -> pd.DataFrame:
 
 def ratios_table(runs: pd.DataFrame, baseline: str) -> Table:
     """`ratios`, with what is said of them."""
-    more = ", ".join(f"the {m.label}" for m in metrics_of("report") if m.better == "more")
+    more = ", ".join(f"the {m.label}" for m in varying(runs) if m.better == "more")
+    better = f"More is better of {more}, less of all others" if more else "Less is better"
     return Table(
         "quality-against-the-baseline", "Quality of the plans", ratios(runs, baseline),
-        f"Mean over instances of the contender's value / that of {baseline}; 1 is equal. More is"
-        f" better of {more}, less of all others. Only instances that both finished"
+        f"Mean over instances of the contender's value / that of {baseline}; 1 is equal."
+        f" {better}. Only instances that both finished"
         " count, and of them those where the baseline's value is not zero.",
+        {m.label: m.better for m in varying(runs)},
+        "map",
     )  # fmt: skip
 
 

@@ -1,9 +1,10 @@
-"""What a report is made of: sections of tables, pictures and heat maps."""
+"""What a report is made of: sections of words, tables, pictures and heat maps."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
 from typing import TYPE_CHECKING, ClassVar
 
 from matplotlib.figure import Figure
@@ -15,6 +16,17 @@ if TYPE_CHECKING:
 
 MOST_LABELS = 10
 """Along one side of a panel of a heat map."""
+MOST_ROWS = 12
+"""Of a table that is not folded."""
+
+
+@dataclass(frozen=True)
+class Words:
+    """A paragraph."""
+
+    kind: ClassVar = "words"
+
+    text: str
 
 
 @dataclass(frozen=True)
@@ -28,6 +40,35 @@ class Table:
     data: pd.DataFrame
     note: str = ""
     """What is counted and how."""
+    better: Mapping[str, str] = field(default_factory=dict)
+    """By column which way is better, ``more`` or ``less``: the best value is in bold."""
+    within: str = ""
+    """The column within whose values the best is sought; of the whole table by default."""
+
+    @property
+    def is_long(self) -> bool:
+        """Whether the page folds it."""
+        return len(self.data) > MOST_ROWS
+
+    def best(self) -> set[tuple[int, int]]:
+        """Row and column of the best values, where not all are equal."""
+        found: set[tuple[int, int]] = set()
+        columns = list(self.data.columns)
+        groups = self.data[self.within] if self.within else [0] * len(self.data)
+        rows_of: dict[object, list[int]] = {}
+        for row, group in enumerate(groups):
+            rows_of.setdefault(group, []).append(row)
+        for name, way in self.better.items():
+            if name not in columns or way not in ("more", "less"):
+                continue
+            column = columns.index(name)
+            for rows in rows_of.values():
+                values = self.data.iloc[rows, column].astype(float)
+                if values.nunique() < 2:
+                    continue
+                top = values.max() if way == "more" else values.min()
+                found |= {(row, column) for row, x in zip(rows, values, strict=True) if x == top}
+        return found
 
 
 @dataclass(frozen=True)
@@ -54,6 +95,9 @@ class Cell:
     state: str
     colour: str | None
     tip: str
+    text: str = ""
+    """The value, in maps of few cells."""
+    ink: str = ""
 
 
 @dataclass(frozen=True)
@@ -70,6 +114,16 @@ class Panel:
     def x_labels(self) -> list[tuple[int, int]]:
         """Positions along the victims with the labels there, few enough to be read."""
         return _labels(self.victims)
+
+    @property
+    def has_values(self) -> bool:
+        """Whether the cells tell their values."""
+        return any(cell.text for cell in self.cells)
+
+    @property
+    def letters(self) -> int:
+        """Of the longest value that a cell tells."""
+        return max((len(cell.text) for cell in self.cells), default=0)
 
     @property
     def y_labels(self) -> list[tuple[int, int]]:
@@ -107,7 +161,7 @@ class HeatMaps:
     data: pd.DataFrame
 
 
-Block = Table | Picture | HeatMaps
+Block = Words | Table | Picture | HeatMaps
 
 
 @dataclass(frozen=True)
@@ -116,6 +170,14 @@ class Section:
 
     title: str
     blocks: Sequence[Block]
+    note: str = ""
+    """What holds for all of them."""
+
+    @property
+    def groups(self) -> Iterator[tuple[str, list[Block]]]:
+        """The blocks in their order, those of one kind that follow each other together."""
+        for kind, blocks in groupby(self.blocks, key=lambda block: block.kind):
+            yield kind, list(blocks)
 
     @property
     def anchor(self) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ...plots.style import line_styles
 from .baseline import ratios_table, savings_table
 from .blocks import Block, Section, Table
+from .heat import NOTE as HEAT_NOTE
 from .heat import metric_heats, time_heat
 from .outcomes import outcome_picture
 from .profile import planning_profile, solving_profile
@@ -19,9 +20,11 @@ from .tables import (
     failure_table,
     instance_table,
     quality_table,
+    same_everywhere,
     solving_table,
     timing_table,
 )
+from .winner import who_won
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,25 +42,31 @@ def sections(study: Study, runs: pd.DataFrame) -> list[Section]:
     planned = of_method(runs, "planner")
     solved = of_method(runs, "formulation")
     found = [
-        Section("What was run on what", [contender_table(runs), instance_table(runs)]),
+        who_won(runs, study.report.quality, looks),
         Section(
             "Results",
             _filled(
                 counts_table(runs),
+                same_everywhere(planned) if len(planned) else None,
                 *(timing_table(mine, method) for method, mine in kinds if mine["counts"].any()),
                 quality_table(planned) if planned["counts"].any() else None,
                 solving_table(solved) if len(solved) else None,
             ),
         ),
         _against_the_baseline(study, kinds),
-        Section("Times over robots and victims", _filled(*(time_heat(m, k) for k, m in kinds))),
-        Section("Plans over robots and victims", metric_heats(planned)),
+        Section(
+            "Times over robots and victims",
+            _filled(*(time_heat(m, k) for k, m in kinds)),
+            HEAT_NOTE,
+        ),
+        Section("Plans over robots and victims", metric_heats(planned), HEAT_NOTE),
         Section("Growth", [block for k, mine in kinds for block in scaling_blocks(mine, k, looks)]),
         Section(
             "Performance profiles",
             _filled(planning_profile(runs, looks), solving_profile(runs)),
         ),
     ]
+    found.append(Section("What was run on what", [contender_table(runs), instance_table(runs)]))
     if len(failures(runs)):
         found.append(Section("Failures", [outcome_picture(runs), failure_table(runs)]))
     return [section for section in found if section.blocks]

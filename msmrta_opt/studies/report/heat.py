@@ -15,23 +15,29 @@ from matplotlib.colors import LogNorm, Normalize, to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from ...mission.metrics import METRICS, metrics_of
+from ...mission.metrics import METRICS
 from ...plots.lettering import shortened
-from ...plots.style import FAINT, INK
+from ...plots.style import FAINT, INK, readable_on
 from .blocks import Cell, HeatMaps, MapHeat, Panel
-from .runs import METHODS, contenders
+from .runs import METHODS, contenders, varying
 from .style import PAPER
-from .text import number
+from .text import compact, number
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+NOTE = (
+    "Across: victims; up: robots. The contenders of a map share its scale of colours. A cross: every run"
+    " of the cell failed; a dot: some did; hatched: not run."
+)
 COLOURS = colormaps["viridis"]
 STOPS = 16
 MISSING, FAILED, FOUND, PARTLY = "not run", "failed", "", "partly failed"
 NO_TIME = {"planner": "failed", "formulation": "ended without a proven optimum"}
 """Why runs do not count."""
+VALUED = (6, 6)
+"""Up to so many robots and victims, each cell of a panel tells its value."""
 GAP = 0.18
 """Between the panels of a sheet, in panels."""
 
@@ -45,7 +51,7 @@ def time_heat(runs: pd.DataFrame, method: str) -> HeatMaps | None:
 def metric_heats(runs: pd.DataFrame) -> list[HeatMaps]:
     """One for each metric of the plans."""
     found = []
-    for metric in metrics_of("report"):
+    for metric in varying(runs):
         heat = _heat(runs, metric.name, metric.label, metric.unit, log=False)
         if heat is not None:
             found.append(heat)
@@ -65,9 +71,8 @@ def _heat(
     return HeatMaps(
         name=f"heat-{what.replace(' ', '-')}",
         title=what.capitalize(),
-        caption=f"Mean {what} ({unit}) of the instances of a cell, over victims (across) and"
-        f" robots (up). The {scale} scale of colours is shared by the contenders of a map. A cross:"
-        f" every run of the cell {failed}; a dot: some did; hatched: not run.",
+        caption=f"Mean of the instances of a cell, {scale} scale."
+        + (f" A cross: every run {failed}." if failed != FAILED else ""),
         unit=unit,
         maps=maps,
         sheet=_sheet(maps, f"{what} ({unit})"),
@@ -128,6 +133,7 @@ def _panel(
     share = np.ma.filled(norm(here["value"].to_numpy(float)), np.nan)
     share = share if norm.vmax != norm.vmin else np.where(np.isnan(share), np.nan, 0.5)
     colours = dict(zip(values, map(to_hex, COLOURS(share)), strict=True))
+    small = len(robots) <= VALUED[0] and len(victims) <= VALUED[1]
     cells = []
     for y, n_robots in enumerate(robots):
         for x, n_victims in enumerate(victims):
@@ -138,6 +144,8 @@ def _panel(
                     x, y, state,
                     colours[n_robots, n_victims] if state in (FOUND, PARTLY) else None,
                     f"{n_robots} robots, {n_victims} victims: {told}",
+                    *(_written(row, colours[n_robots, n_victims])
+                      if small and state in (FOUND, PARTLY) else ("", "")),
                 )
             )  # fmt: skip
     known = here.dropna(subset="value")
@@ -149,6 +157,11 @@ def _panel(
     )
     alt = f"{contender}: {told}; {len(known)} of {len(cells)} cells have a value, {n_failed} failed"
     return Panel(contender, robots, victims, cells, alt)
+
+
+def _written(row: Any, colour: str) -> tuple[str, str]:
+    """The value in as many letters as a cell holds, and the ink that can be read on its colour."""
+    return compact(row.value), readable_on(colour)
 
 
 def _state(row: Any, unit: str) -> tuple[str, str]:
@@ -210,6 +223,12 @@ def _draw_panel(ax: Axes, panel: Panel, left: float, top: float) -> None:
             )  # fmt: skip
     ax.imshow(image, extent=(left, left + 1, top + 1, top), origin="lower", aspect="auto", zorder=0)
     ax.add_patch(Rectangle((left, top), 1, 1, fill=False, edgecolor=INK, linewidth=0.6))
+    for cell in panel.cells:
+        if cell.text and cell.state == FOUND:
+            ax.text(
+                left + (cell.x + 0.5) / n_x, top + 1 - (cell.y + 0.5) / n_y, cell.text,
+                ha="center", va="center", fontsize=7, color=cell.ink,
+            )  # fmt: skip
     for x, label in panel.x_labels:
         ax.text(left + (x + 0.5) / n_x, top + 1.03, str(label), ha="center", va="top", fontsize=7)
     for y, label in panel.y_labels:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +18,7 @@ from matplotlib.figure import Figure
 from ...mission.files import write_text
 from ...plots.lettering import write_plainly
 from ...plots.saving import save_figure
-from .blocks import Block, HeatMaps, Picture, Section, Table
+from .blocks import Block, HeatMaps, Picture, Section, Table, Words
 from .folder import DATA, FIGURES, MARK, PAGE
 from .style import svg
 from .text import number
@@ -98,6 +100,7 @@ def write_page(
         data=DATA,
         runs_csv=RUNS,
         numeric=_numeric,
+        script=_script(),
     )
     write_text(folder / PAGE, page)
 
@@ -109,6 +112,13 @@ def figure(value: Any) -> str:
     if isinstance(value, bool | str):
         return str(value)
     return number(value) if isinstance(value, float) else f"{value:,}"
+
+
+def _script() -> tuple[str, str]:
+    """The page's own script, and its digest, which alone the page's policy lets run."""
+    text = files(__package__).joinpath("report.js").read_text(encoding="utf-8")
+    digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+    return text, f"sha256-{digest}"
 
 
 def _numeric(table: Table) -> list[bool]:
@@ -123,6 +133,8 @@ def _source(picture: Picture) -> str:
 
 
 def _write_files(block: Block, folder: Path) -> None:
+    if isinstance(block, Words):
+        return
     _write_csv(block.data, folder / DATA / f"{block.name}.csv")
     if isinstance(block, Picture):
         _write_png(block.figure, folder / FIGURES / f"{block.name}.png")

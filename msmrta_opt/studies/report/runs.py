@@ -7,8 +7,9 @@ their mean, and the instance counts as finished by the contender if all of them 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ...mission.metrics import Metric, metrics_of
 from ..record import FINISHED, Record, frame, kinds_of_fields
 
 if TYPE_CHECKING:
@@ -83,6 +84,23 @@ def common_instances(runs: pd.DataFrame) -> set[str]:
     if times.empty:
         return set()
     return set(times.dropna().index.get_level_values("instance"))
+
+
+def constants(runs: pd.DataFrame) -> dict[str, float]:
+    """The metrics of plans that are the same in every run that counts, of two or more."""
+    known = runs[runs["counts"]]
+    found = {}
+    for metric in metrics_of("report"):
+        values = known[metric.name]
+        if len(values) > 1 and (values == values.iloc[0]).all():
+            found[metric.name] = float(values.iloc[0])
+    return found
+
+
+def varying(runs: pd.DataFrame) -> list[Metric[Any]]:
+    """The metrics that a report shows in tables and pictures: those that are not `constants`."""
+    same = constants(runs)
+    return [metric for metric in metrics_of("report") if metric.name not in same]
 
 
 def failures(runs: pd.DataFrame) -> pd.DataFrame:

@@ -27,16 +27,20 @@ VICTIMS = "victims"
 PRODUCT = "robots × victims"
 FITTED = {"error": "standard error", "r2": "R²", "coefficient": "coefficient (s)"}
 """What a table calls the fields of a `Fit`, where not by their names."""
-LEAST_SIZES = 3
+LEAST_SIZES = 5
 """Different sizes below which no exponent is fitted."""
+LEAST_DRAWN = 3
+"""Different sizes below which nothing is drawn."""
+MOST_ERROR, MOST_ERROR_SHARE = 0.05, 0.1
+"""Standard error, and its share of the exponent, up to which a law is said: either suffices."""
 
 
 @dataclass(frozen=True)
 class Fit:
     """A power law, time = coefficient · size ^ exponent, by least squares on the logarithms.
 
-    ``error`` is the standard error of the exponent (NaN when no point is left over to judge by),
-    ``r2`` the share of the variance of log time that the law explains.
+    ``error`` is the standard error of the exponent, ``r2`` the share of the variance of log time that
+    the law explains.
     """
 
     exponent: float
@@ -49,8 +53,8 @@ class Fit:
 def fit(sizes: ArrayLike, seconds: ArrayLike) -> Fit | None:
     """The power law through `seconds` over `sizes`, both of shape ``(n_points,)``.
 
-    Points that are missing or not positive do not count; `None` if fewer than three different
-    sizes are left.
+    Points that are missing or not positive do not count; `None` if fewer than five different
+    sizes are left, or the exponent is not known well enough.
     """
     x, y = np.asarray(sizes, float), np.asarray(seconds, float)
     known = (x > 0) & (y > 0)
@@ -62,9 +66,12 @@ def fit(sizes: ArrayLike, seconds: ArrayLike) -> Fit | None:
     residual = float(((dy - exponent * dx) ** 2).sum())
     total = float(dy @ dy)
     freedom = len(x) - 2
+    error = float(np.sqrt(residual / freedom / (dx @ dx)))
+    if error > max(MOST_ERROR, MOST_ERROR_SHARE * abs(exponent)):
+        return None
     return Fit(
         exponent=float(exponent),
-        error=float(np.sqrt(residual / freedom / (dx @ dx))) if freedom else np.nan,
+        error=error,
         r2=1 - residual / total if total else 1.0,
         coefficient=float(np.exp(y.mean() - exponent * x.mean())),
         points=len(x),
@@ -100,7 +107,7 @@ def growths(runs: pd.DataFrame) -> Iterator[Growth]:
         if most > here["n_robots"].min():
             product = here["n_robots"] * here["n_victims"]
             found.append(_growth(name, PRODUCT, None, here.assign(size=product)))
-        yield from (growth for growth in found if growth.fits)
+        yield from (growth for growth in found if growth.data["size"].nunique() >= LEAST_DRAWN)
 
 
 def _growth(name: str, over: str, n_robots: int | None, points: pd.DataFrame) -> Growth:
@@ -178,9 +185,14 @@ def scaling_blocks(
             + ("victims" if growth.over == VICTIMS else "robots-times-victims"),
             f"{what.capitalize()} against {growth.over}, {growth.map}",
             f"Points: median{_fixed(growth)}. Band: quartiles, where a size has several"
-            " instances. Thin lines: the fitted laws, with the standard errors of their exponents.",
-            f"Log-log plot of {what} against {growth.over} on map {growth.map}; "
-            + "; ".join(f"{who}: exponent {_plus_minus(law)}" for who, law in growth.fits.items()),
+            " instances."
+            + (
+                " Thin lines: fitted laws, with the standard errors of their exponents."
+                if growth.fits
+                else ""
+            ),
+            f"Log-log plot of {what} against {growth.over} on map {growth.map}"
+            + "".join(f"; {who}: exponent {_plus_minus(law)}" for who, law in growth.fits.items()),
             draw(growth, looks, method),
             growth.data,
         )
@@ -205,14 +217,16 @@ def scaling_blocks(
                 "time = coefficient · size ^ exponent, by least squares on the logarithms of all"
                 " instances that the contender finished; runs that ended at a limit have no time"
                 " and are not in the fit, so where there are failures the exponent is of the"
-                " easier instances.",
+                " easier instances. A law is given where there are"
+                f" {LEAST_SIZES} sizes or more and the standard error is at most {MOST_ERROR:g} or"
+                f" {MOST_ERROR_SHARE:.0%} of the exponent.",
             )
         )
     return blocks
 
 
 def _plus_minus(law: Fit) -> str:
-    return f"{law.exponent:.2f}" + (f" ± {law.error:.2f}" if np.isfinite(law.error) else "")
+    return f"{law.exponent:.2f} ± {law.error:.2f}"
 
 
 def _fixed(growth: Growth) -> str:

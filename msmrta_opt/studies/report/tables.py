@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from ...mission.metrics import metrics_of
+from ...mission.metrics import METRICS
 from ..analysis.times import SHIFT_SECONDS, shifted_geometric_mean
-from .blocks import Table
-from .runs import METHODS, common_instances, contenders, failures
+from .blocks import Table, Words
+from .runs import METHODS, common_instances, constants, contenders, failures, varying
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -109,12 +109,13 @@ def timing_table(runs: pd.DataFrame, method: str) -> Table:
         f"{_common(runs, common)} A run's time is the median of its repetitions; lowest and highest"
         " are over all repetitions; their spread is (highest − lowest) / median of a run, of which"
         " the median run is given.",
+        {"median (s)": "less", "highest (s)": "less", "peak memory (MiB)": "less"},
     )  # fmt: skip
 
 
 def quality_table(runs: pd.DataFrame) -> Table:
     """Means of the metrics of each planner's plans, over the instances common to all."""
-    common, metrics = common_instances(runs), metrics_of("report")
+    common, metrics = common_instances(runs), varying(runs)
     rows = []
     for contender, mine in _by_contender(_on(runs, common)):
         row = {"contender": contender, "instances": mine["instance"].nunique()}
@@ -124,7 +125,20 @@ def quality_table(runs: pd.DataFrame) -> Table:
     return Table(
         "plan-metrics", "Plans", _without_empty(pd.DataFrame(rows)),
         f"{_common(runs, common)} Means over instances.",
+        {m.title: m.better for m in metrics},
     )  # fmt: skip
+
+
+def same_everywhere(runs: pd.DataFrame) -> Words | None:
+    """The metrics of plans that are the same in every run, in a sentence; `None` if all vary."""
+    found = constants(runs)
+    if not found:
+        return None
+    said = ", ".join(
+        f"{METRICS[name].label} {METRICS[name].scaled(value):.6g} {METRICS[name].unit}".strip()
+        for name, value in found.items()
+    )
+    return Words(f"The same in every run: {said}.")
 
 
 def solving_table(runs: pd.DataFrame) -> Table:
@@ -154,6 +168,7 @@ def solving_table(runs: pd.DataFrame) -> Table:
         "formulations", "Formulations and solvers", _without_empty(data),
         "Times are from a stage's data to a checked solution, over the runs solved to optimality;"
         f" the mean is exp(mean log(t + {SHIFT_SECONDS:g} s)) − {SHIFT_SECONDS:g} s.",
+        {"optimal": "more"},
     )  # fmt: skip
 
 

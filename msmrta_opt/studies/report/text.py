@@ -9,6 +9,7 @@ import numpy as np
 
 TINY = 1e-6
 """Below this, a number in full is mostly zeros."""
+TEN_THOUSAND, MILLION, SMALL = 1e4, 1e6, 0.1
 
 
 def slug(text: str) -> str:
@@ -25,6 +26,15 @@ def file_names(texts: Sequence[str]) -> dict[str, str]:
             name, number = f"{slug(text)}-{number}", number + 1
         found[text] = name
     return found
+
+
+def compact(value: float) -> str:
+    """`value` in five letters or so: two or three significant digits, thousands as ``k``."""
+    if abs(value) >= MILLION:
+        return f"{value / MILLION:.3g}M"
+    if abs(value) >= TEN_THOUSAND:
+        return f"{value / 1000:.0f}k"
+    return f"{value:.2g}" if 0 < abs(value) < SMALL else number(value)
 
 
 def number(value: float) -> str:

@@ -14,9 +14,11 @@ from msmrta_opt.studies.report.scaling import fit, growths
 from msmrta_opt.studies.report.tables import quality_table, solving_table, timing_table
 from msmrta_opt.studies.report.text import file_names, number
 
+OFF = [1, -2, 0, 2, -1]
+
 
 def test_an_exact_power_law_has_its_own_exponent_and_no_error() -> None:
-    sizes = [10.0, 20.0, 50.0, 100.0]
+    sizes = [10.0, 20.0, 50.0, 100.0, 200.0]
     law = fit(sizes, [3e-4 * size**1.7 for size in sizes])
     assert law is not None
     assert law.exponent == pytest.approx(1.7)
@@ -26,17 +28,25 @@ def test_an_exact_power_law_has_its_own_exponent_and_no_error() -> None:
 
 
 def test_the_standard_error_is_that_of_the_slope_on_the_logarithms() -> None:
-    # log x = 0, 1, 2 and log y = 0, 2, 1: slope 1/2, residuals −1/2, 1, −1/2, sums of squares
-    # 3/2 of the residuals and 2 of x and of y, one degree of freedom.
-    law = fit([1, exp(1), exp(2)], [1, exp(2), exp(1)])
+    # log x = −2, −1, 0, 1, 2 and log y = 10 log x + (1, −2, 0, 2, −1): these are across to x
+    # (Σ −2 + 2 + 0 + 2 − 2 = 0), so the slope is 10, and they are the residuals: their squares sum
+    # to 10, those of x too; three degrees of freedom.
+    x = [-2, -1, 0, 1, 2]
+    law = fit([exp(a) for a in x], [exp(10 * a + r) for a, r in zip(x, OFF, strict=True)])
     assert law is not None
-    assert law.exponent == pytest.approx(0.5)
-    assert law.error == pytest.approx(sqrt(1.5 / 1 / 2))
-    assert law.r2 == pytest.approx(1 - 1.5 / 2)
+    assert law.exponent == pytest.approx(10)
+    assert law.error == pytest.approx(sqrt(10 / 3 / 10))
+    assert law.r2 == pytest.approx(1 - 10 / (10 + 100 * 10))
 
 
-def test_two_sizes_are_too_few_for_an_exponent_however_many_points() -> None:
-    assert fit([1, 1, 2, 2, 0, 5], [1, 2, 3, 4, 5, 0]) is None
+def test_four_sizes_are_too_few_for_an_exponent_however_many_points() -> None:
+    assert fit([1, 1, 2, 2, 3, 4, 0, 5], [1, 1, 2, 2, 3, 4, 5, 0]) is None
+
+
+def test_an_exponent_that_is_hardly_known_is_not_said() -> None:
+    # The residuals of above beside a slope of 1: a standard error of 0.58.
+    x = [-2, -1, 0, 1, 2]
+    assert fit([exp(a) for a in x], [exp(a + r) for a, r in zip(x, OFF, strict=True)]) is None
 
 
 def test_growth_over_victims_is_at_the_largest_number_of_robots_and_of_finished_runs() -> None:
@@ -44,7 +54,7 @@ def test_growth_over_victims_is_at_the_largest_number_of_robots_and_of_finished_
         record(f"{n}x{m}", who, 0.01 * n * m**2, n_robots=n, n_victims=m)
         for who in ("one", "two")
         for n in (2, 4)
-        for m in (10, 20, 40)
+        for m in (5, 10, 20, 40)
     ]
     lost = {"n_robots": 4, "n_victims": 80, "outcome": "timed out"}
     records += [
@@ -53,9 +63,10 @@ def test_growth_over_victims_is_at_the_largest_number_of_robots_and_of_finished_
     ]
     over_victims, over_product = growths(table_of(records))
     assert over_victims.n_robots == 4
-    assert {who: law.points for who, law in over_victims.fits.items()} == {"one": 4, "two": 3}
-    assert [law.exponent for law in over_victims.fits.values()] == pytest.approx([2, 2])
-    assert list(over_victims.data["size"]) == [10, 20, 40, 80, 10, 20, 40]
+    # The other has four sizes, which are drawn, and no law.
+    assert {who: law.points for who, law in over_victims.fits.items()} == {"one": 5}
+    assert over_victims.fits["one"].exponent == pytest.approx(2)
+    assert list(over_victims.data["size"]) == [5, 10, 20, 40, 80, 5, 10, 20, 40]
     assert over_product.n_robots is None
 
 

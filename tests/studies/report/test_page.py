@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 import warnings
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from support.browser import PROGRAM, WITHOUT, Browser
 from support.study_records import grid_records, record, solve, solving_records, study_of
 
 from msmrta_opt.mission.errors import InputError
@@ -18,6 +17,7 @@ from msmrta_opt.studies.report import render, write_report
 
 VOID = {"meta", "link", "img", "br"}
 SMALL = {"maps": ("map0", "map1"), "robots": (2, 5, 10), "victims": (10, 50, 100), "seeds": (0, 1)}
+JAVASCRIPT = Path(render.__file__).with_name("report.js").read_text(encoding="utf-8")
 NASTY = '<script>alert("&")</script>'
 
 
@@ -36,7 +36,7 @@ class Page(HTMLParser):
         super().__init__()
         self.open: list[str] = []
         self.elements: list[tuple[str, dict[str, str | None]]] = []
-        self.text = ""
+        self.text = self.script = ""
         self.feed(path.read_text(encoding="utf-8"))
         self.close()
         assert not self.open
@@ -53,7 +53,10 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
-        self.text += data
+        if self.open[-1:] == ["script"]:
+            self.script += data
+        else:
+            self.text += data
 
     def all(self, tag: str) -> list[dict[str, str | None]]:
         return [attributes for name, attributes in self.elements if name == tag]
@@ -90,9 +93,10 @@ def folder(request: pytest.FixtureRequest) -> Path:
     return found
 
 
-def test_the_page_loads_nothing_from_elsewhere_and_runs_nothing(folder: Path) -> None:
+def test_the_page_loads_nothing_from_elsewhere_and_runs_its_own_script_alone(folder: Path) -> None:
     page = Page(folder / "report.html")
-    assert not page.all("script")
+    assert len(page.all("script")) == 1
+    assert page.script == JAVASCRIPT
     for _, attributes in page.elements:
         for name, value in attributes.items():
             assert not name.startswith("on")
@@ -130,13 +134,14 @@ def test_every_figure_is_there_as_png_and_its_data_as_csv(folder: Path) -> None:
 def test_planners_have_heat_maps_growth_profiles_and_failures(planned: Path) -> None:
     page = Page(planned / "report.html")
     assert page.headings == [
-        "section-what-was-run-on-what",
+        "section-who-won",
         "section-results",
         "section-against-mrga",
         "section-times-over-robots-and-victims",
         "section-plans-over-robots-and-victims",
         "section-growth",
         "section-performance-profiles",
+        "section-what-was-run-on-what",
         "section-failures",
     ]
     # A panel for each of 7 measures on 2 maps of 3 contenders.
@@ -156,8 +161,8 @@ def test_formulations_have_no_plans_to_show(solved: Path) -> None:
 
 def test_one_run_is_told_in_tables_alone(tmp_path: Path) -> None:
     page = written(tmp_path / "one", [record("paper", "msmrta", 0.012, distance=300)])
-    assert page.headings == ["section-what-was-run-on-what", "section-results"]
-    assert "1 of 2 done" in page.text
+    assert page.headings == ["section-results", "section-what-was-run-on-what"]
+    assert "1 of 2 runs done" in page.text
     assert not list((tmp_path / "one" / "figures").iterdir())
 
 
@@ -196,7 +201,7 @@ def test_names_and_errors_are_shown_and_never_run(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         page = written(tmp_path / "nasty", records, title=NASTY, report={"baseline": NASTY})
-    assert not page.all("script")
+    assert page.script == JAVASCRIPT
     assert page.text.count(NASTY) > 5
 
 
@@ -251,30 +256,55 @@ def test_a_report_that_cannot_be_made_leaves_the_older_one(
     assert [item.name for item in tmp_path.iterdir()] == ["report"]
 
 
-def test_the_page_is_as_wide_as_its_window_in_a_browser(planned: Path, tmp_path: Path) -> None:
-    browser = shutil.which("chromium") or shutil.which("google-chrome")
-    if browser is None:
-        pytest.skip("no Chromium here to open the page in")
-    # A frame of 400 pixels: the window itself cannot be that narrow.
-    frame = tmp_path / "frame.html"
-    frame.write_text(
-        f'<iframe src="{(planned / "report.html").as_uri()}" width=400 height=800></iframe><script>'
-        "onload = () => { const page = document.querySelector('iframe').contentDocument;"
-        " document.title = page.documentElement.scrollWidth + ' wide, ' +"
-        " [...page.images].filter(image => !image.naturalWidth).length + ' broken' }</script>"
-    )
-    told = subprocess.run(
-        [
-            *(browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic"),
-            *("--no-first-run", "--disable-background-networking", "--disable-component-update"),
-            *("--disable-sync", "--allow-file-access-from-files", f"--user-data-dir={tmp_path}/u"),
-            *("--dump-dom", frame.as_uri()),
-        ],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=True,
-    ).stdout
-    width = int(told.split("<title>")[1].split()[0])
-    assert width <= 400
-    assert " 0 broken" in told
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    if PROGRAM is None:
+        pytest.skip(WITHOUT)
+    opened = Browser(tmp_path_factory.mktemp("profile"))
+    yield opened
+    opened.close()
+
+
+@pytest.mark.parametrize("width", [400, 1280])
+def test_the_page_is_as_wide_as_its_window(planned: Path, browser: Browser, width: int) -> None:
+    browser.complaints.clear()
+    browser.open(planned / "report.html", width=width)
+    assert browser.run("document.documentElement.scrollWidth") <= width
+    assert browser.run("[...document.images].every((image) => image.naturalWidth > 0)")
+    assert browser.complaints == []
+
+
+def test_a_click_on_a_heading_sorts_a_table_by_its_numbers(planned: Path, browser: Browser) -> None:
+    browser.open(planned / "report.html")
+    sort = """(() => {
+        const table = document.querySelector('[aria-labelledby="planning-times"] table');
+        const at = [...table.tHead.rows[0].cells].findIndex((x) => x.textContent === "median (s)");
+        const heading = table.tHead.rows[0].cells[at];
+        heading.firstElementChild.click();
+        return [
+            heading.getAttribute("aria-sort"),
+            [...table.tBodies[0].rows].map((row) => +row.cells[at].dataset.value),
+        ];
+    })()"""
+    way, values = browser.run(sort)
+    assert (way, values) == ("ascending", sorted(values))
+    assert len(set(values)) == 3
+    way, values = browser.run(sort)
+    assert (way, values) == ("descending", sorted(values, reverse=True))
+
+
+def test_on_paper_no_table_is_cut_and_nothing_stays_folded(
+    planned: Path, solved: Path, browser: Browser
+) -> None:
+    for folder in (planned, solved):
+        # The width of a sheet of A4 across, without its margins.
+        browser.open(folder / "report.html", width=1032)
+        browser.ask("Emulation.setEmulatedMedia", media="print")
+        browser.run("document.querySelectorAll('details').forEach((x) => { x.open = false; })")
+        browser.run("dispatchEvent(new Event('beforeprint'))")
+        cut = browser.run(
+            "[...document.querySelectorAll('table')]"
+            ".filter((x) => x.offsetWidth > x.parentElement.clientWidth || !x.offsetHeight).length"
+        )
+        browser.ask("Emulation.setEmulatedMedia", media="")
+        assert cut == 0
