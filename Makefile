@@ -6,6 +6,9 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
+# Compiled modules are kept: tests start hundreds of processes, and each would compile the package anew.
+export PYTHONDONTWRITEBYTECODE =
+
 .PHONY: demo test test-all lint types unit figure schema notebooks clean
 
 demo: $(VENV)/.installed

@@ -33,7 +33,7 @@ class Planned(Protocol):
         """How good it is."""
 
     def is_for(self, mission: Instance) -> bool:
-        """Whether it is the answer to `mission`."""
+        """Whether it is a plan for `mission`."""
 
 
 VISIT_COLUMNS = ("robot", "stop", "victim", "serves", "stage", "cells", "arrival", "departure")

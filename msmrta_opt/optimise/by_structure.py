@@ -26,7 +26,7 @@ BY_MATRIX = ("assignment algorithm", "simplex", "integral vertex")
 def solve_by_structure(
     program: Program, options: Options, recognised: Callable[[], Structure | None]
 ) -> tuple[str, Outcome]:
-    """The name of the solver that answered, and what it said.
+    """The name of the solver that solved it, and what it said.
 
     `recognised` tells the structure of the program's matrix.
     """
@@ -37,9 +37,9 @@ def solve_by_structure(
     structure = recognised()
     if structure is not None:
         relaxed = integral_relaxation(program, structure)
-        answer = solve_assignment(program, structure)
-        if answer is not None:
-            x, duals = answer
+        found = solve_assignment(program, structure)
+        if found is not None:
+            x, duals = found
             bound = dual_bound(relaxed, duals)
             if _is_tight(program, x, bound):
                 proof = f"{structure.description}; assignment algorithm, dual values"

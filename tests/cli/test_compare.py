@@ -120,7 +120,7 @@ def test_a_folder_of_models_is_compared_by_itself_and_a_fault_leaves_the_rest_wh
     assert "4 of 6 solves gave no solution" in capsys.readouterr().out
 
 
-def test_no_answer_at_all_is_exit_status_1(
+def test_no_solution_at_all_is_exit_status_1(
     run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = write_models(tmp_path / "own", "wrong_exit")

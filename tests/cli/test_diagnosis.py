@@ -54,7 +54,7 @@ def test_explain_says_that_a_feasible_program_is_feasible(
     assert capsys.readouterr().out.startswith("victim_covering is feasible: ")
 
 
-def test_explain_without_an_answer_exits_with_1(
+def test_explain_without_a_solution_exits_with_1(
     msmrta: Run, paper_file: Path, capsys: Said
 ) -> None:
     assert msmrta("explain", "victim_balanced", paper_file, "--time-limit", "0") == 1
@@ -72,7 +72,7 @@ def test_a_weight_keeps_a_row_as_it_is(
     assert "  enough are taken: ≥ 4 instead of ≥ 6" in out
 
 
-def test_why_not_is_asked_by_value_or_by_file_and_answered_in_json(
+def test_why_not_is_asked_by_value_or_by_file_and_told_in_json(
     msmrta: Run, paper_file: Path, tmp_path: Path, capsys: Said
 ) -> None:
     asked, answers = tmp_path / "asked.txt", []

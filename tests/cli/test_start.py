@@ -23,7 +23,7 @@ def plan_file(corridor_file: Path, tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("model", ["joint_routing_flow", "joint_routing_mtz"])
 @pytest.mark.parametrize("start", ["staged", "mrga", "FILE"])
-def test_a_start_is_the_answer_where_there_is_no_time_for_another(
+def test_a_start_is_the_solution_where_there_is_no_time_for_another(
     start: str, model: str, msmrta: Run, corridor_file: Path, plan_file: Path, capsys: Capture
 ) -> None:
     """1 + 4 moves and 4 of service, whoever plans it."""

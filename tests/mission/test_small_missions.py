@@ -70,13 +70,13 @@ def finishing_times(
         )
 
 
-def test_every_mission_that_states_an_answer_is_tried_here() -> None:
+def test_every_mission_that_states_a_solution_is_tried_here() -> None:
     missions = [Instance.read(path) for path in INSTANCES.glob("*.json")]
     assert {m.name for m in missions if "Least total time" in m.description} == set(ANSWERS)
 
 
 @pytest.mark.parametrize("name", ANSWERS)
-def test_the_stated_answer_is_that_of_trying_out_every_plan(
+def test_the_stated_solution_is_that_of_trying_out_every_plan(
     name: str, breadth_first: Distances
 ) -> None:
     instance = Instance.read(INSTANCES / f"{name}.json")
@@ -89,7 +89,7 @@ def test_the_stated_answer_is_that_of_trying_out_every_plan(
 
 
 @pytest.mark.parametrize("name", ANSWERS)
-def test_the_description_and_the_readme_state_the_answer(name: str) -> None:
+def test_the_description_and_the_readme_state_the_solution(name: str) -> None:
     instance = Instance.read(INSTANCES / f"{name}.json")
     _, total_time, makespan = ANSWERS[name]
     stated = f"Least total time {total_time}, least makespan {makespan}."

@@ -73,6 +73,6 @@ def test_a_formulation_has_an_oracle(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SHIPPED)
-def test_questions_without_an_answer_are_among_those_asked(name: str) -> None:
+def test_questions_without_a_solution_are_among_those_asked(name: str) -> None:
     assert any(question.best is None for question in asked(name)) == (name in INFEASIBLE)
     assert any(question.best is not None for question in asked(name))

@@ -51,20 +51,20 @@ NOBODY = VictimData(
 @given(data=victim_cases(), beta=shares)
 @example(data=NOBODY, beta=0.5)
 @settings(max_examples=examples(60))
-def test_eq_2_is_worth_the_best_of_all_answers(name: str, data: VictimData, beta: float) -> None:
+def test_eq_2_is_worth_the_best_of_all_solutions(name: str, data: VictimData, beta: float) -> None:
     assert_agrees(name, data, beta=beta)
 
 
 @given(data=joint_cases(), psi=shares, beta=shares, lam=shares)
 @settings(max_examples=examples(40))
-def test_posts_and_victims_together_are_worth_the_best_of_all_answers(
+def test_posts_and_victims_together_are_worth_the_best_of_all_solutions(
     data: JointAssignmentData, psi: float, beta: float, lam: float
 ) -> None:
     assert_agrees("joint_assignment", data, psi=psi, beta=beta, lam=lam)
 
 
 @pytest.mark.parametrize("name", ORACLES)
-def test_dense_random_data_is_worth_the_best_of_all_answers(name: str) -> None:
+def test_dense_random_data_is_worth_the_best_of_all_solutions(name: str) -> None:
     spec = get(name).spec
     for seed in range(8):
         middle = {parameter: item.default for parameter, item in spec.parameters.items()}
@@ -173,7 +173,7 @@ def test_endurance_sends_a_victim_to_a_slower_robot() -> None:
         assert solve("victim_generalized", limited, beta=0).objective == pytest.approx(cost)
 
 
-def test_without_endurance_enough_for_everybody_there_is_no_answer() -> None:
+def test_without_endurance_enough_for_everybody_there_is_no_solution() -> None:
     data = victims([[4, 4], [4, 4]], endurance=np.array([4.0, 3.9]))
     assert solve("victim_generalized", data).status == "infeasible"
 

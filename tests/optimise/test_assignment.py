@@ -109,7 +109,7 @@ def tables(draw: st.DrawFn) -> Table:
 
 @given(table=tables())
 @settings(max_examples=examples(150))
-def test_a_matching_costs_what_the_cheapest_of_all_costs_and_its_prices_prove_it(
+def test_a_matching_costs_what_the_cheapest_of_all_costs_and_its_duals_prove_it(
     table: Table,
 ) -> None:
     assert_proven(table.program(), table.least_cost())
@@ -129,7 +129,7 @@ def test_a_cardinality_asks_for_pairs_that_are_worth_nothing() -> None:
     assert_proven(Table(wide.T, pairs=2).program(), 3)
 
 
-def test_a_table_without_a_complete_matching_has_no_answer() -> None:
+def test_a_table_without_a_complete_matching_has_no_solution() -> None:
     """Rows 0 and 1 have columns 0 and 1 to themselves; row 2 has none but these."""
     cost = np.array([[1, 2, MISSING, MISSING], [3, 4, MISSING, MISSING], [5, 6, MISSING, MISSING]])
     table = Table(np.vstack([cost, [9, 9, 1, 1]]), every_row=True)
@@ -176,7 +176,7 @@ def test_a_column_fixed_by_a_row_of_its_own_is_part_of_the_proof() -> None:
     data=st.data(),
 )
 @settings(max_examples=examples(200))
-def test_the_answer_is_none_rather_than_a_wrong_one(base: Program, data: st.DataObject) -> None:
+def test_the_solution_is_none_rather_than_a_wrong_one(base: Program, data: st.DataObject) -> None:
     if data.draw(st.booleans()):
         base = data.draw(edits(base))
     structure = recognise(base)
@@ -192,7 +192,7 @@ def test_the_answer_is_none_rather_than_a_wrong_one(base: Program, data: st.Data
 
 @given(base=st.one_of(assignment_programs(most_edits=1), structured_programs()))
 @settings(max_examples=examples(100))
-def test_the_solver_lsa_proves_its_answer_or_skips_the_program(base: Program) -> None:
+def test_the_solver_lsa_proves_its_solution_or_skips_the_program(base: Program) -> None:
     solution = solve_program(base, solver="lsa")
     if solution.status == "infeasible":
         assert best_value(base) is None

@@ -116,7 +116,7 @@ duals = st.one_of(st.just(0.0), st.integers(-3, 3).map(float), st.floats(-1e3, 1
 
 @given(program=st.one_of(assignment_programs(most_edits=2), structured_programs()), data=st.data())
 @settings(max_examples=examples(200))
-def test_no_prices_prove_more_than_the_optimum(program: Program, data: st.DataObject) -> None:
+def test_no_duals_prove_more_than_the_optimum(program: Program, data: st.DataObject) -> None:
     best = best_value(program)
     if best is None:
         return  # every bound is true of nothing
@@ -134,7 +134,7 @@ def test_no_prices_prove_more_than_the_optimum(program: Program, data: st.DataOb
 @example(cost=-1e-10, price=0.0, far=1e12)
 @example(cost=0.0, price=-5e-10, far=1e12)
 @settings(max_examples=examples(60))
-def test_small_prices_and_costs_count_where_values_are_large(
+def test_small_duals_and_costs_count_where_values_are_large(
     cost: float, price: float, far: float
 ) -> None:
     wide = program([[1]], far, cost, row_lower=-far, upper=far, integer=False)
@@ -142,14 +142,14 @@ def test_small_prices_and_costs_count_where_values_are_large(
     assert dual_bound(wide, np.array([price])) <= best + 1e-6 * max(1.0, abs(best))
 
 
-def test_the_right_prices_prove_the_optimum_of_a_maximisation() -> None:
+def test_the_right_duals_prove_the_optimum_of_a_maximisation() -> None:
     """max 3x + 2y + 7, x + y ≤ 4, x + 3y ≤ 6, x ≤ 3: x = 3, y = 1 is worth 18; row 0 costs 2."""
     best = program([[1, 1], [1, 3]], [4, 6], [3, 2], upper=[3, INF], sense="max", offset=7)
     assert dual_bound(best, np.array([-2.0, 0.0])) == pytest.approx(18)
     assert dual_bound(best, np.array([-3.0, 0.0])) == pytest.approx(19)
 
 
-def test_the_right_prices_prove_the_optimum_of_a_minimisation() -> None:
+def test_the_right_duals_prove_the_optimum_of_a_minimisation() -> None:
     """min 2x + 3y, x + y ≥ 4, x ≤ 3: x = 3, y = 1 costs 9; a unit of the row costs 3."""
     least = program([[1, 1]], INF, [2, 3], row_lower=4, upper=[3, INF])
     assert dual_bound(least, np.array([3.0])) == pytest.approx(9)
@@ -158,7 +158,7 @@ def test_the_right_prices_prove_the_optimum_of_a_minimisation() -> None:
 
 @pytest.mark.parametrize("size", [1.0, 1e-6])
 @pytest.mark.parametrize(("sense", "nothing"), [("min", -INF), ("max", INF)])
-def test_a_price_that_leans_on_a_side_that_is_not_there_proves_nothing(
+def test_a_dual_that_leans_on_a_side_that_is_not_there_proves_nothing(
     sense: str, nothing: float, size: float
 ) -> None:
     at_most = program([[1, 1]], 1, 0, sense=sense)  # type: ignore[arg-type]

@@ -221,7 +221,7 @@ def test_a_formulation_of_another_stage_is_refused_by_name() -> None:
         get("victim_printed", stage="cluster")
 
 
-def test_an_unknown_name_is_answered_with_those_there_are(folder: Path) -> None:
+def test_an_unknown_name_is_refused_with_the_known_ones(folder: Path) -> None:
     (folder / "broken.py").write_text("(")
     with pytest.raises(InputError) as caught:
         get("cluster_one_to_two")

@@ -94,7 +94,7 @@ def test_no_time_leaves_no_solution_and_claims_nothing(structure: bool) -> None:
 
 
 @pytest.mark.parametrize(("sense", "offset"), [("min", 600.0), ("max", -600.0)])
-def test_an_answer_within_a_gap_is_feasible_with_a_bound_in_the_models_own_sense(
+def test_a_solution_within_a_gap_is_feasible_with_a_bound_in_the_models_own_sense(
     sense: str, offset: float
 ) -> None:
     """A constant is in the objective and in the bound, and no part of the gap."""
@@ -240,7 +240,7 @@ def test_a_bound_that_the_incumbent_beats_is_an_error_and_nothing_is_shown(liar:
     assert solution.objective is None
 
 
-def test_an_answer_far_from_its_bound_is_not_optimal_whatever_the_solver_says(liar: Liar) -> None:
+def test_a_solution_far_from_its_bound_is_not_optimal_whatever_the_solver_says(liar: Liar) -> None:
     solution = liar(Outcome("optimal", np.array([1.0, 0.0]), bound=2.0))
     assert solution.status == "feasible"
     assert (solution.objective, solution.bound) == (1, 2)
@@ -267,7 +267,7 @@ def test_a_point_beside_another_status_is_not_shown(liar: Liar) -> None:
             solution.require()
 
 
-def test_an_assignment_that_its_prices_do_not_prove_is_solved_otherwise(
+def test_an_assignment_that_its_duals_do_not_prove_is_solved_otherwise(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def nobody(program: Program, _: object) -> tuple[np.ndarray, np.ndarray]:
@@ -311,7 +311,7 @@ def test_what_is_asked_for_wrongly_is_an_input_error_that_names_it(
         solve("cluster_one_to_one", cluster_data(), **asked)
 
 
-def test_an_unknown_formulation_is_answered_with_those_there_are() -> None:
+def test_an_unknown_formulation_is_refused_with_the_known_ones() -> None:
     with pytest.raises(
         InputError, match=r"^model: no formulation 'cluster_two' .*there are .*cluster_printed"
     ):
@@ -377,7 +377,7 @@ def test_a_solution_survives_pickling(structure: bool) -> None:
             assert before == after
 
 
-def test_dual_prices_come_by_the_labels_of_their_rows() -> None:
+def test_duals_come_by_the_labels_of_their_rows() -> None:
     """A unit more of the row is worth 3, the price of the better column."""
     x = cp.Variable(2, name="x", nonneg=True)
     limit = (cp.sum(x) <= 4).set_label("what there is")

@@ -176,7 +176,7 @@ KNOWN = {
 
 @every_solver
 @pytest.mark.parametrize("name", KNOWN)
-def test_the_answer_known_by_hand_is_found_and_proven(solver: Solver, name: str) -> None:
+def test_the_solution_known_by_hand_is_found_and_proven(solver: Solver, name: str) -> None:
     case = KNOWN[name]
     if problem := refusal(solver, case.asked):
         with pytest.raises(SolverError, match=problem):
@@ -313,7 +313,7 @@ def market_split() -> tuple[Program, NDArray[np.float64]]:
 
 @every_solver
 @pytest.mark.parametrize("name", KNOWN)
-def test_no_time_gives_no_answer_that_is_not_one(solver: Solver, name: str) -> None:
+def test_no_time_gives_no_solution_that_is_not_one(solver: Solver, name: str) -> None:
     case = KNOWN[name]
     if refusal(solver, case.asked):
         return
@@ -447,7 +447,7 @@ def test_a_log_is_shown_only_when_asked_for(
 
 @able("duals")
 @pytest.mark.parametrize("name", [name for name in KNOWN if name.startswith("a continuous")])
-def test_prices_of_a_continuous_program_prove_its_optimum(solver: Solver, name: str) -> None:
+def test_duals_of_a_continuous_program_prove_its_optimum(solver: Solver, name: str) -> None:
     case = KNOWN[name]
     outcome = solver.solve(case.asked, Options())
     assert outcome.duals is not None
@@ -455,7 +455,7 @@ def test_prices_of_a_continuous_program_prove_its_optimum(solver: Solver, name: 
 
 
 @every_solver
-def test_the_same_request_gets_the_same_answer(solver: Solver) -> None:
+def test_the_same_request_gets_the_same_solution(solver: Solver) -> None:
     asked = program(knapsack().matrix.toarray()[:5, :40], 900, knapsack().cost[:40], sense="max")
     first, second = (solver.solve(asked, Options()) for _ in range(2))
     assert first.x is not None
@@ -584,7 +584,7 @@ def test_the_assignment_algorithm_takes_assignments_and_nothing_else() -> None:
 # ---------------------------------------------------------------- the process of their own
 
 
-def test_a_solver_whose_process_dies_is_an_error_and_the_next_request_is_answered() -> None:
+def test_a_solver_whose_process_dies_is_an_error_and_the_next_request_is_served() -> None:
     with pytest.raises(SolverError, match="process ended with exit status 3"):
         apart.run_apart(exec, "import os; os._exit(3)", {})  # type: ignore[arg-type]
     assert_solved_right(solve(get("glpk"), KNOWN["general integers"].asked), 20)

@@ -61,7 +61,7 @@ def test_a_start_is_a_point_of_the_model_worth_what_the_plan_is(
 
 @pytest.mark.parametrize("solver", ["auto", "highs", "scip"])
 @pytest.mark.parametrize("model", ["joint_routing_flow", "joint_routing_mtz"])
-def test_with_no_time_at_all_the_answer_is_the_start(model: str, solver: str) -> None:
+def test_with_no_time_at_all_the_solution_is_the_start(model: str, solver: str) -> None:
     plan = planned("msmrta")
     start = mip_start(plan, problem(), model)
     without = mo.solve(model, problem(), solver=solver, time_limit=0)

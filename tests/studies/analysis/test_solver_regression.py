@@ -77,7 +77,7 @@ def test_solvers_agree_on_every_program(rows: list[Record]) -> None:
     assert disagreements(rows) == []
 
 
-def test_every_answer_passed_its_check(rows: list[Record]) -> None:
+def test_every_solution_passed_its_check(rows: list[Record]) -> None:
     answered = [row for row in rows if row.verdict in ("optimal", "feasible")]
     assert {row.check for row in answered} == {"passed"}
 

@@ -35,7 +35,7 @@ def test_losses_lead_from_the_staged_plan_to_the_optimum(paper: Instance) -> Non
     assert sum(item.loss for item in losses) == pytest.approx(losses[0].before - losses[-1].after)
 
 
-def test_an_order_that_walks_past_a_victim_is_priced_by_hand() -> None:
+def test_an_order_that_walks_past_a_victim_costs_what_a_hand_finds() -> None:
     """One robot at the left end of 1×5 cells; victims at columns 2 and 4, each 1 time unit.
 
     The cluster's centre is column 3, so the staged plan goes to 3, back to 2 (the nearer, first of
