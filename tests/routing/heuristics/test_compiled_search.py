@@ -19,7 +19,7 @@ def searched(
     data: RoutingData, objective: str, parameters: HeuristicsParameters, iterations: int, seed: int
 ) -> CompiledSearch:
     search = CompiledSearch(data, first_come(data), OBJECTIVES[objective], parameters, seed)
-    search.run(MaximumIterations(iterations))
+    search.run(MaximumIterations(iterations), lambda _: None)
     return search
 
 
