@@ -81,6 +81,7 @@ if TYPE_CHECKING:
     from .planners import planners as list_planners  # noqa: F401
     from .planners import planners as planners
     from .planners.support.mip_start import mip_start as mip_start
+    from .planners.support.plan_proof import prove_plan as prove_plan
     from .proofs.prove import Proof as Proof
     from .proofs.prove import prove as prove
     from .proofs.stated import check_proof as check_proof

@@ -66,6 +66,7 @@ HOME = MappingProxyType(
         "write_program": "optimise.export",
         "explain": "diagnosis.explain",
         "prove": "proofs.prove",
+        "prove_plan": "planners.support.plan_proof",
         "Proof": "proofs.prove",
         "check_proof": "proofs.stated",
         "Explanation": "diagnosis.explain",

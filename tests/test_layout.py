@@ -25,9 +25,9 @@ MAY_USE = {
     "optimise": {"formulations", "mission"},
     "proofs": {"certify", "optimise", "mission"},
     "diagnosis": {"proofs", "certify", "optimise", "mission"},
-    "routing": {"certify", "optimise", "mission"},
+    "routing": {"proofs", "certify", "optimise", "mission"},
     "stages": {"routing", "optimise", "mission"},
-    "planners": {"certify", "stages", "routing", "optimise", "mission"},
+    "planners": {"proofs", "certify", "stages", "routing", "optimise", "mission"},
     "studies": {
         *("diagnosis", "proofs", "certify", "plots", "planners", "stages", "routing", "optimise"),
         "mission",

@@ -9,5 +9,6 @@ Nothing of the planners is imported, no solver and no scipy. To read, in this or
   `linear_relaxation`, what dual values prove about total time and makespan,
   `pricing_bound` with `ng_routes`, what they prove about latency,
   `scheduling_bound` with `assignment`, a bound on latency that needs none;
-- `vipr` checks proofs of integer programs, from files that anybody may have written.
+- `vipr` checks proofs of integer programs, from files that anybody may have written, `joint_proof` those
+  of plans: that such a program is implied by the mission.
 """

@@ -13,7 +13,7 @@ fractions: no solver is asked, and nothing is rounded.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations
@@ -26,6 +26,14 @@ Column = tuple[str | int, ...]
 """``("y", robot, victim)``, ``f`` and ``l`` alike, ``("e", robot, i, j)`` with i < j,
 ``("a", robot, victim, kind)`` or ``("T",)``."""
 MAKESPAN: Column = ("T",)
+Named = Callable[..., tuple[str, Fraction]]
+CUTS: Mapping[str, type[PathCut]] = {
+    "subtour": SubtourCut,
+    "outside": SubtourCut,
+    "first": PathCut,
+    "last": PathCut,
+}
+"""The kinds of cuts, and what each is about."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,26 +98,48 @@ def relaxation(joint: Joint, proof: RootProof, worth: Fraction) -> Relaxation:
         If a dual value is of a row that there is not, or a cut is not one of the kinds that hold.
     """
     duals = _Duals(proof)
-    loads = proof.objective == "makespan" or joint.endurance is not None
+    cost, first = first_rows(joint, proof.objective, duals.of)
+    rows = [*first, *_cuts(joint, proof)]
+    if left := duals.left():
+        raise CheckError(f"there is a dual value of {left}, which is no row of this problem")
+    upper: dict[Column, Fraction | int] = {c: worth if c == MAKESPAN else 1 for c in cost}
+    return Relaxation(cost, upper, tuple(rows), joint.offset(proof.objective))
+
+
+def first_rows(
+    joint: Joint, objective: str, named: Named
+) -> tuple[dict[Column, Fraction | int], Iterator[Row]]:
+    """The columns with their costs, and all rows that are not cuts.
+
+    Parameters
+    ----------
+    joint : Joint
+        The joint problem.
+    objective : str
+        Total time or makespan.
+    named : callable
+        Name and dual value of a row, from its kind and the ids that it is about.
+    """
+    loads = objective == "makespan" or joint.endurance is not None
     travel = _travel(joint)
     busy = dict(travel)
     if loads:
         busy |= {("a", r, v, k): joint.service[v, k] for r, v, k in joint.able}
     visits: dict[Column, Fraction | int] = {("y", r, v): 0 for r, v in joint.leave}
-    if proof.objective == "makespan":
+    if objective == "makespan":
         columns: set[Column] = {*visits, *busy, MAKESPAN}
         cost: dict[Column, Fraction | int] = {
             c: int(c == MAKESPAN) for c in sorted(columns, key=str)
         }
     else:
         cost = {**visits, **dict.fromkeys(busy, 0), **travel}
-    rows = [*_paths(joint, duals), *_services(joint, duals, loads=loads)]
-    rows += _limits(joint, duals, travel, busy, proof.objective)
-    rows += _cuts(joint, proof)
-    if left := duals.left():
-        raise CheckError(f"there is a dual value of {left}, which is no row of this problem")
-    upper: dict[Column, Fraction | int] = {c: worth if c == MAKESPAN else 1 for c in cost}
-    return Relaxation(cost, upper, tuple(rows), joint.offset(proof.objective))
+
+    def rows() -> Iterator[Row]:
+        yield from _paths(joint, named)
+        yield from _services(joint, named, loads=loads)
+        yield from _limits(joint, named, travel, busy, objective)
+
+    return cost, rows()
 
 
 @dataclass
@@ -160,40 +190,40 @@ def _travel(joint: Joint) -> dict[Column, Fraction]:
     return time | {("e", *key): way for key, way in joint.between.items()}
 
 
-def _paths(joint: Joint, duals: _Duals) -> Iterator[Row]:
+def _paths(joint: Joint, named: Named) -> Iterator[Row]:
     for r, victims in joint.victims_of.items():
         for v in victims:
             around: dict[Column, int] = {("f", r, v): 1, ("l", r, v): 1, ("y", r, v): -2}
             around |= {("e", r, *sorted((v, w))): 1 for w in victims if w != v}
-            name, dual = duals.of("degree", r, v)
+            name, dual = named("degree", r, v)
             yield Row(name, around, 0, 0, dual)
         first: dict[Column, int] = {("f", r, v): 1 for v in victims}
-        name, dual = duals.of("leaves", r)
+        name, dual = named("leaves", r)
         yield Row(name, first, 0, 1, dual)
-        name, dual = duals.of("ends", r)
+        name, dual = named("ends", r)
         yield Row(name, first | {("l", r, v): -1 for v in victims}, 0, 0, dual)
 
 
-def _services(joint: Joint, duals: _Duals, *, loads: bool) -> Iterator[Row]:
+def _services(joint: Joint, named: Named, *, loads: bool) -> Iterator[Row]:
     able: dict[tuple[int, str], list[int]] = {
         requirement: [] for requirement in sorted(joint.service)
     }
     for r, v, k in sorted(joint.able):
         able[v, k].append(r)
     for (v, k), robots in able.items():
-        name, dual = duals.of("served", v, k)
+        name, dual = named("served", v, k)
         if not loads:
             yield Row(name, {("y", r, v): 1 for r in robots}, 1, None, dual)
             continue
         yield Row(name, {("a", r, v, k): 1 for r in robots}, 1, 1, dual)
         for r in robots:
-            name, dual = duals.of("present", r, v, k)
+            name, dual = named("present", r, v, k)
             yield Row(name, {("a", r, v, k): 1, ("y", r, v): -1}, None, 0, dual)
 
 
 def _limits(
     joint: Joint,
-    duals: _Duals,
+    named: Named,
     travel: Mapping[Column, Fraction],
     busy: Mapping[Column, Fraction],
     objective: str,
@@ -204,23 +234,33 @@ def _limits(
             for times in (travel, busy)
         )
         if r in joint.walk:
-            name, dual = duals.of("walk", r)
+            name, dual = named("walk", r)
             yield Row(name, walked, None, joint.walk[r], dual)
         if joint.endurance is not None:
-            name, dual = duals.of("endurance", r)
+            name, dual = named("endurance", r)
             yield Row(name, used, None, joint.endurance, dual)
         if objective == "makespan":
-            name, dual = duals.of("makespan", r)
+            name, dual = named("makespan", r)
             yield Row(name, used | {MAKESPAN: Fraction(-1)}, None, 0, dual)
 
 
 def _cuts(joint: Joint, proof: RootProof) -> Iterator[Row]:
-    for kind in ("subtour", "outside", "first", "last"):
+    for kind in CUTS:
         cuts: Iterable[PathCut] = getattr(proof, kind)
         for number, cut in enumerate(cuts):
-            name = f"cut {kind}[{number}]"
-            _require_valid(joint, name, kind, cut)
-            yield Row(name, _entries(joint, kind, cut), None, 0, Fraction(cut.dual))
+            yield cut_row(joint, f"cut {kind}[{number}]", kind, cut)
+
+
+def cut_row(joint: Joint, name: str, kind: str, cut: PathCut) -> Row:
+    """The row of a cut.
+
+    Raises
+    ------
+    CheckError
+        If it is not one that holds.
+    """
+    _require_valid(joint, name, kind, cut)
+    return Row(name, _entries(joint, kind, cut), None, 0, Fraction(cut.dual))
 
 
 def _require_valid(joint: Joint, name: str, kind: str, cut: PathCut) -> None:

@@ -30,6 +30,7 @@ import math
 import os
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import BinaryIO
@@ -128,6 +129,8 @@ class Certificate:
     objective: Terms = field(default_factory=dict)
     objective_under: int = 1
     constraints: list[Constraint] = field(default_factory=list)
+    labels: list[tuple[int, str]] = field(default_factory=list)
+    """Of the constraints: the line that each begins on, and its name."""
     infeasible: bool = False
     """Whether this is what is claimed; else a range is."""
     lower: Number | None = None
@@ -290,7 +293,7 @@ def read_program(reader: Reader) -> Certificate:
     if n_bounds > n_constraints:
         raise reader.refusal(f"{n_bounds} of {n_constraints} constraints are said to be bounds")
     for index in range(n_constraints):
-        item = _constraint(reader, found)
+        item = _constraint(reader, found, found.labels)
         if index < n_bounds and len(item.terms) > 1:
             raise reader.refusal(f"constraint {index} is no bound, and bounds come first")
         found.constraints.append(item)
@@ -360,9 +363,6 @@ def check_derivations(reader: Reader, found: Certificate) -> None:
         raise reader.refusal(f"{what} is derived only if constraint {min(last.assumptions)} holds")
     if not last.dominates(relation):
         raise reader.refusal(f"what is derived last is not {what}: it {last.difference(relation)}")
-
-
-# The reasons.
 
 
 class Proof:
@@ -505,12 +505,13 @@ class Proof:
         raise reader.refusal(f"constraint {index} refers to constraint {other}, which {when}")
 
 
-# What sections are made of.
-
-
-def _constraint(reader: Reader, found: Certificate) -> Constraint:
-    """A constraint: name, sense, side, and coefficients or ``OBJ``."""
-    reader.word("a constraint's name")
+def _constraint(
+    reader: Reader, found: Certificate, labels: list[tuple[int, str]] | None = None
+) -> Constraint:
+    """A constraint: name (put into `labels`), sense, side, and coefficients or ``OBJ``."""
+    name = reader.word("a constraint's name")
+    if labels is not None:
+        labels.append((reader.line, name.decode("utf-8", "surrogateescape")))
     sense = {b"E": 0, b"L": -1, b"G": 1}[reader.keyword(b"E", b"L", b"G")]
     side = reader.as_number(reader.word("the right-hand side"), "the right-hand side")
     size = reader.word("the number of coefficients, or OBJ")
@@ -543,11 +544,8 @@ def _variable(reader: Reader, n_variables: int) -> int:
     return j
 
 
-# The program.
-
-
-def verify(path: str) -> Certificate:
-    """What the certificate in the file `path` proves.
+def verify(path: str, admit: Callable[[Certificate], object] | None = None) -> Certificate:
+    """What the certificate in the file `path` proves; `admit` may refuse the program it is about.
 
     Raises
     ------
@@ -564,6 +562,8 @@ def verify(path: str) -> Certificate:
         with open(path, "rb") as file:
             reader = Reader(file)
             found = read_program(reader)
+            if admit is not None:
+                admit(found)
             read_claim(reader, found)
             check_solutions(reader, found)
             check_derivations(reader, found)

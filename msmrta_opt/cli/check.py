@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,7 +11,7 @@ import typer
 
 from .console import Json
 from .models import Folders, Options, Parameters, add_folders
-from .proofs import SUFFIX, check_proofs
+from .proofs import SUFFIX, check_proofs, require_suffix
 
 if TYPE_CHECKING:
     from ..certify.certificates import Recheck
@@ -52,6 +53,13 @@ def check(
             "values, exactly; then solve the root relaxation by another solver.",
         ),
     ] = False,
+    proof: Annotated[
+        Path | None,
+        typer.Option(
+            help="Of one plan: the proof that `exact --proof` wrote, to the last branch.",
+            metavar="FILE.vipr",
+        ),
+    ] = None,
     strict: Annotated[
         bool,
         typer.Option("--strict", help="With --bound: a bound that is only claimed is wrong."),
@@ -76,7 +84,7 @@ def check(
 
     A plan beside an instance must be for it, and every objective that a certificate claims is worked out
     again; all that is wrong is told. Of an instance, requirements that no robot can serve are a warning.
-    The exit status is 0 if all holds and, with --bound, all
+    The exit status is 0 if all holds and, with --bound or --proof, all
     bounds are proved again; 1 if anything is wrong; 2 for bad input; 3 if all holds, but a bound is
     only claimed.
     """
@@ -86,7 +94,10 @@ def check(
     from .outputs import check_outputs
 
     add_folders(folders)
+    require_suffix(proof)
     if any(file.suffix == SUFFIX for file in files):
+        if proof is not None:
+            raise InputError("is for a plan; give proofs of programs as files", field="--proof")
         if json is not None:
             raise InputError("is for instances and plans, not for proofs", field="--json")
         check_proofs(files, options, parameters)
@@ -100,8 +111,10 @@ def check(
         from ..routing.second_solver import other_solver
 
         other_solver(solver)
-    check_outputs(json, inputs=files)
+    check_outputs(json, inputs=[*files, proof])
     documents = [_read(file) for file in files]
+    if proof is not None and sum(not isinstance(item, Instance) for item in documents) != 1:
+        raise InputError("is of one plan; give one plan with it", field="--proof")
     missions = [item for item in documents if isinstance(item, Instance)]
     wrong = only_claimed = False
     records = []
@@ -117,6 +130,8 @@ def check(
                 _bounds(item, verdict, solver, time_limit)
             except InputError as error:
                 raise error.within(file) from None
+        if proof is not None and not verdict.wrong:
+            _proof(item, proof, verdict)
         if strict:
             verdict.wrong += verdict.only_claimed
         _tell(file, verdict)
@@ -181,6 +196,27 @@ def _plan(plan: Plan, missions: list[Instance], *, claims: bool) -> _Verdict:
         verdict.said.append(f"the plan holds ({plan.metrics.n_served} requirements served)")
     verdict.said += _changed(plan)
     return verdict
+
+
+def _proof(plan: Plan, path: Path, verdict: _Verdict) -> None:
+    """Whether the file proves the plan's optimality, or how far."""
+    from ..certify.certificates import STAGE, TOLERANCE
+    from ..certify.joint_proof import check_joint_proof
+    from ..mission.errors import CheckError
+
+    try:
+        found = check_joint_proof(path, plan)
+    except CheckError as error:
+        verdict.wrong.append(str(error))
+        return
+    verdict.said.append(f"{path}: {found.summary}")
+    for certificate in plan.certificates:
+        if certificate.stage == STAGE and certificate.model == found.objective:
+            claimed = certificate.bound or 0.0
+            if claimed > found.bound + Fraction(TOLERANCE) * found.value:
+                verdict.only_claimed.append(
+                    f"the certificate claims {claimed:.9g} by {certificate.proof}: it is not proved"
+                )
 
 
 def _changed(plan: Plan) -> list[str]:

@@ -19,7 +19,9 @@ def register(app: typer.Typer) -> None:
 def exact(
     instance: InstanceFile,
     objective: Annotated[str, typer.Option(help=f"What to minimise: {NAMES}.")] = DEFAULT,
-    time_limit: Annotated[float, typer.Option(help="Seconds of wall time.")] = 60.0,
+    time_limit: Annotated[
+        float, typer.Option(help="Seconds of wall time; with --proof as many for the proof.")
+    ] = 60.0,
     gap: Annotated[float, typer.Option(help="Relative gap to stop at, 0 to 1.")] = 0.0,
     endurance: Annotated[
         float | None, typer.Option(help="Most time units that a robot may be busy.")
@@ -33,6 +35,14 @@ def exact(
     parameters: Annotated[
         Path | None, typer.Option(help="A TOML file of tuning parameters.", metavar="FILE")
     ] = None,
+    proof: Annotated[
+        Path | None,
+        typer.Option(
+            help="Also prove that no plan is better, to the last branch, in this file: total time and "
+            "makespan.",
+            metavar="FILE.vipr",
+        ),
+    ] = None,
     seed: Seed = None,
     json: Json = None,
     figure: Figure = None,
@@ -40,18 +50,24 @@ def exact(
     """Plan a mission as well as the time allows, and prove how good the plan is.
 
     The plan that --json writes carries its limits and what proves the root bound, so that
-    `msmrta check --bound` can prove it again.
+    `msmrta check --bound` can prove it again; what --proof writes proves all of the bound, and
+    `msmrta check PLAN --proof FILE.vipr` checks it.
     """
     import time
 
     from ..mission.instance import Instance
     from ..planners import plan as make_plan
+    from ..planners.support.plan_proof import prove_plan, require_provable
     from ..routing.callbacks import Callbacks, SearchState
     from ..routing.parameters import Parameters
     from .outputs import check_outputs, write_plan
+    from .proofs import require_suffix, say_proof
     from .tables import show_plan
 
-    check_outputs(json, figure=figure, inputs=[instance, parameters])
+    require_suffix(proof)
+    if proof is not None:
+        require_provable(objective)
+    check_outputs(json, proof, figure=figure, inputs=[instance, parameters])
     tuned = None if parameters is None else Parameters.read(parameters)
     began = time.monotonic()
 
@@ -84,3 +100,5 @@ def exact(
     )
     write_plan(made, json, figure)
     show_plan(made)
+    if proof is not None:
+        say_proof(str(proof), prove_plan(made, path=proof, time_limit=time_limit))

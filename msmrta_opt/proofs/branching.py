@@ -170,8 +170,8 @@ class Search:
         if found is None:
             exact = exact_duals(self.program, self.bounds.rows, self.relaxation)
             found = None if exact is None else self.bounds.exactly(exact, self.box)
-            if found is not None and target is not None and (found.value or 0) < target:
-                found = None
+            if target is not None and found is not None and found.value is not None:
+                found = found if found.value >= target else None
         return found
 
     def _leaf(self, node: Node, found: Combination | None) -> bool:

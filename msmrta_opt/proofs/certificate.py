@@ -30,6 +30,9 @@ class Claim:
     value: Fraction | None = None
     """Of the solution."""
     point: Sequence[Rational] | None = None
+    assumption: int | None = None
+    """Reference of a lemma that assumes the objective, an integer, to be at most ``bound - 1``: the tree
+    is then a contradiction to it, and the bound follows."""
 
 
 def write(
@@ -111,11 +114,13 @@ class _Derivations:
         self.sizes: dict[Node, int] = {}
         """How many derivations the tree below a node takes."""
         references = self._measure()
+        if claim.assumption is not None:
+            references.add(claim.assumption)
         self.needed = lemmas.needed(references | (grid.references if grid else set()))
         first = len(program.stated)
         self.place = {LEMMA + k: first + i for i, k in enumerate(self.needed)}
         self.next = first
-        if claim.infeasible:
+        if claim.infeasible or claim.assumption is not None:
             self.goal = "G 1 0"
         else:
             assert claim.bound is not None
@@ -125,13 +130,21 @@ class _Derivations:
     def write(self) -> int:
         """Write them all; how many they are."""
         on_grid = self.grid is not None and not self.claim.infeasible
-        total = len(self.needed) + self.sizes[self.root] + 2 * on_grid
+        assumed = self.claim.assumption
+        more = 2 * (on_grid or assumed is not None)
+        total = len(self.needed) + self.sizes[self.root] + more
         self.file.write(f"DER {total}\n".encode())
         for position in self.needed:
             self._lemma(position)
-        self._tree(last_use=self.next + self.sizes[self.root] if on_grid else -1)
+        end = self.next + self.sizes[self.root]
+        self._tree(last_use=(end + 1 if assumed is not None else end) if more else -1)
         if on_grid:
             self._grid()
+        elif assumed is not None:
+            bound = f"G {number(self.claim.bound or 0)} OBJ"
+            self._put(f"{bound} {{ asm }}", end + 1)
+            reason = f"uns {end - 1} {self.place[assumed]} {end} {end}"
+            self._put(f"{bound} {{ {reason} }}", -1)
         return total
 
     def _measure(self) -> set[int]:

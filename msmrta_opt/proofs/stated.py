@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ..certify import vipr
+from ..certify.joint_proof import check_joint_proof
 from ..mission.errors import CheckError, InputError
+from ..mission.plan import Plan
 from ..optimise.program import Program
 from ..optimise.subject import subject
 from .exact import ExactProgram, Numbers, exact_program
@@ -29,7 +31,8 @@ def check_proof(path: str | Path, what: Any = None, data: Any = None, **paramete
     path : path
         The certificate.
     what, data, **parameters
-        The program that it should be of, as `prove` takes it; by default that is not looked at.
+        The program that it should be of, as `prove` takes it, or a plan, of whose mission and limits it
+        should be; by default that is not looked at.
 
     Raises
     ------
@@ -39,6 +42,8 @@ def check_proof(path: str | Path, what: Any = None, data: Any = None, **paramete
         If it does not prove what it claims, naming the line; or if it is of another program, naming
         what differs.
     """
+    if isinstance(what, Plan):
+        return check_joint_proof(path, what).summary
     try:
         found = vipr.verify(str(path))
     except vipr.RefusedError as refusal:

@@ -126,3 +126,43 @@ def test_a_convicted_row_is_shown_and_fails_the_comparison(
     assert "contradicted: highs on cluster_one_to_one, " in shown
     assert "it claims that 6 is optimal, and 6.15 is feasible" in shown
     assert "1 solves failed their check" in shown
+
+
+def test_the_exact_planner_proves_its_plan_and_check_checks_it(
+    instances_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mission, plan, path = (
+        str(instances_dir / "two_rooms.json"), str(tmp_path / "plan.json"), str(tmp_path / "p.vipr")
+    )  # fmt: skip
+    words = ["exact", mission, "--objective", "makespan", "--json", plan, "--proof", path]
+    assert cli.run(words) == 0
+    assert f"{path}: proved (" in capsys.readouterr().out.replace("\n", "")
+    assert cli.run(["check", path]) == 0
+    assert "proved: minimum in [" in capsys.readouterr().out
+    assert cli.run(["check", plan, mission, "--proof", path]) == 0
+    assert "is optimal (" in capsys.readouterr().out
+    lines = Path(path).read_text().splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("degree:"))
+    lines[at] = lines[at].replace(" E 0 ", " E 1 ", 1)
+    Path(path).write_text("\n".join(lines))
+    assert cli.run(["check", plan, "--proof", path]) == 1
+    assert f"{path}: line {at + 1}: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ["exact", "two_rooms", "--objective", "latency", "--proof", "p.vipr"],
+            "to the last branch",
+        ),
+        (["exact", "two_rooms", "--proof", "p.txt"], "--proof: 'p.txt'; the suffix is .vipr"),
+        (["check", "two_rooms", "--proof", "p.vipr"], "give one plan with it"),
+        (["check", "q.vipr", "--proof", "p.vipr"], "is for a plan"),
+    ],
+)
+def test_what_cannot_be_proved_is_said_before_anything_is_planned(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(words) == 2
+    assert said in capsys.readouterr().err.replace("\n", " ")

@@ -73,7 +73,10 @@ class RootRelaxation:
         if not np.isfinite(bound):
             return None
         fields: dict[str, list[dict[str, Any]]] = {}
-        about = [*_first_rows(instance, formulation), *(_cut(instance, cut) for cut in self.cuts)]
+        about = [
+            *about_rows(instance, formulation),
+            *(about_cut(instance, cut) for cut in self.cuts),
+        ]
         unit = formulation.objective.unit_of(formulation.data)
         for (name, ids), value in zip(about, self.dual_values, strict=True):
             _note(fields, name, ids, value if name in _OF_TIME else value * unit)
@@ -95,7 +98,7 @@ def _note(
         fields.setdefault(name, []).append({**about, "dual": float(f"{value:.{_DIGITS}g}")})
 
 
-def _first_rows(
+def about_rows(
     instance: Instance, formulation: EdgeFormulation
 ) -> Iterator[tuple[str, dict[str, Any]]]:
     """Name of each row of `EdgeFormulation.rows`, and what it is about, in the same order."""
@@ -127,7 +130,8 @@ def _of_robots(
             yield name, {"robot": robot}
 
 
-def _cut(instance: Instance, cut: Cut) -> tuple[str, dict[str, Any]]:
+def about_cut(instance: Instance, cut: Cut) -> tuple[str, dict[str, Any]]:
+    """The kind of a cut, and what it is about."""
     about: dict[str, Any] = {
         "robot": instance.robots[cut.robot].id,
         "victims": [instance.victims[v].id for v in cut.members],

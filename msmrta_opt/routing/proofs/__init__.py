@@ -1,0 +1,7 @@
+"""Proofs of joint plans: total time and makespan, by a tree over the edge formulation.
+
+In reading order: `statement`, the formulation with its cuts in exact numbers, as a certificate states
+it; `reduction`, what the root relaxation's dual values exclude, so that the tree is over few columns;
+`separating`, the relaxation that adds cuts as it goes; `prover`, from routes to a certificate. How
+leaves are derived and certificates are written is `msmrta_opt.proofs`.
+"""
