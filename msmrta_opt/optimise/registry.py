@@ -172,8 +172,7 @@ def blank_model(stage: str, name: str, to: str | Path = ".") -> Path:
     """
     if stage not in BLANK:
         raise InputError(
-            f"no blank formulation of {stage!r}; there are {', '.join(BLANK)}, and of other stages "
-            "one is copied",
+            f"no blank formulation of {stage!r}{meant(stage, BLANK)}; there are {', '.join(BLANK)}",
             field="stage",
         )
     _require_new(name, to)

@@ -110,7 +110,7 @@ def test_solvers_lists_each_with_its_version_or_how_to_install_it(
         (["show", "cluster_broken", "--models", "own"], "nothing_of_that_name"),
         (["show", "cluster_printed", "none.json", "--models", "own"], "none.json: no such file"),
         (["new-model", "mine"], "give either --from MODEL or --blank STAGE"),
-        (["new-model", "mine", "--blank", "routing"], "no blank formulation of 'routing'"),
+        (["new-model", "mine", "--blank", "rooting"], "'rooting' (did you mean 'routing'?)"),
         (["new-model", "mine", "--blank", "victim", "--to", "none"], "no such folder"),
         (["show", "cluster_printed", "--data"], "--data: is of an instance; give one"),
         (["new-model", "mine", "--from", "nothing", "--to", "own"], "no formulation 'nothing'"),

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from msmrta_opt import cli, formulations
+from msmrta_opt.cli import watch
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.optimise import registry
 from msmrta_opt.studies import comparison, runner
@@ -62,8 +65,29 @@ def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
     registry.reload_models()
 
 
+def saved_while_watching(patch: pytest.MonkeyPatch, file: Path) -> None:
+    """Save `file` with one edit after the other, each at a look of the watch; then Ctrl-C."""
+    edits = list(EDITS)
+
+    def saves() -> Iterator[None]:
+        text = file.read_text()
+        for old, new in edits:
+            assert text.count(old) == 1
+            text = text.replace(old, new)
+            before = file.stat().st_mtime_ns
+            file.write_text(text)
+            os.utime(file, ns=(before + 10**9, before + 10**9))
+            yield  # a look sees that it is another,
+            yield  # and the next that it is whole
+        os.kill(os.getpid(), signal.SIGINT)
+        yield
+
+    saving = saves()
+    patch.setattr(watch.time, "sleep", lambda _: next(saving))
+
+
 def test_a_new_user_gets_from_a_blank_file_to_a_report(
-    workplace: Path, capsys: pytest.CaptureFixture[str]
+    workplace: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def msmrta(*arguments: str) -> str:
         status = cli.run(list(arguments))
@@ -74,13 +98,12 @@ def test_a_new_user_gets_from_a_blank_file_to_a_report(
     mission, own = "two_rooms.json", ["--models", "."]
     msmrta("new-model", "cluster_near", "--blank", "cluster", "--to", ".")
     before = msmrta("solve", "cluster_near", mission, *own)
-    file = workplace / "cluster_near.py"
-    text = file.read_text()
-    for old, new in EDITS:
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    file.write_text(text)
-    registry.reload_models()
+    saved_while_watching(monkeypatch, workplace / "cluster_near.py")
+    watched = msmrta("watch", "cluster_near", mission, *own)
+    assert "broken: " in watched  # the weight is used before it is declared
+    assert "cluster_near.py, save 4:" in watched
+    assert "  costs changed (" in watched
+    assert "  objective: " in watched
     assert msmrta("solve", "cluster_near", mission, *own, "--param", "kappa=1") != before
 
     three = ["--solvers", "auto,highs,scip", "--json", "rows.json"]

@@ -208,7 +208,7 @@ SOLVER = Solver(
     title="CP-SAT, constraint programming with clause learning",
     package="ortools",
     module="ortools",
-    install="pip install ortools",
+    install="pip install 'msmrta_opt[solvers]'",
     abilities=frozenset(
         ["integer", "time_limit", "gap", "seed", "threads", "start", "verbose", "bound"]
     ),

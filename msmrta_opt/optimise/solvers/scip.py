@@ -108,7 +108,7 @@ SOLVER = Solver(
     title="SCIP, branch cut and price",
     package="PySCIPOpt",
     module="pyscipopt",
-    install="pip install pyscipopt",
+    install="pip install 'msmrta_opt[solvers]'",
     abilities=frozenset(
         ["integer", "lp", "time_limit", "gap", "seed", "start", "verbose", "bound"]
     ),
