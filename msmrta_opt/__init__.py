@@ -90,8 +90,10 @@ if TYPE_CHECKING:
     from .stages.options import StagedOptions as StagedOptions
     from .stages.scouting import scouting as scouting
     from .studies.analysis.agreement import disagreements as disagreements
+    from .studies.analysis.matrix_picture import plot_matrix as plot_matrix
     from .studies.analysis.profile import performance_profile as performance_profile
     from .studies.analysis.score import score as score
+    from .studies.analysis.solution_picture import plot_solution as plot_solution
     from .studies.analysis.staging import price_of_staging as price_of_staging
     from .studies.analysis.staging_picture import staging_losses as staging_losses
     from .studies.analysis.tradeoff import tradeoff as tradeoff

@@ -80,6 +80,8 @@ HOME = MappingProxyType(
         "performance_profile": "studies.analysis.profile",
         "score": "studies.analysis.score",
         "price_of_staging": "studies.analysis.staging",
+        "plot_matrix": "studies.analysis.matrix_picture",
+        "plot_solution": "studies.analysis.solution_picture",
         "staging_losses": "studies.analysis.staging_picture",
         "tradeoff": "studies.analysis.tradeoff",
         "tradeoff_regions": "studies.analysis.tradeoff",

@@ -41,6 +41,7 @@ from . import (
     study,
     tradeoff,
     watch,
+    workload,
 )
 from .console import json_asked
 from .screen import open_closed_descriptors, screens
@@ -55,7 +56,7 @@ app = typer.Typer(
 )
 for group in (
     missions, instances, generate, maps, exact, convergence, plans, plan_differences, replay, models,
-    programs, diagnosis, watch, proofs, compare, tradeoff, study,
+    workload, programs, diagnosis, watch, proofs, compare, tradeoff, study,
 ):  # fmt: skip
     group.register(app)
 

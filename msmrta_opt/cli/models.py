@@ -158,6 +158,10 @@ def show(
     data: Annotated[
         bool, typer.Option("--data", help="Print what the formulation is given on the instance.")
     ] = False,
+    matrix: Annotated[
+        Path | None,
+        typer.Option(help="Write a picture of the program's matrix here: .png, .svg or .pdf."),
+    ] = None,
     parameters: Parameters = None,
     options: Options = None,
     folders: Folders = None,
@@ -169,7 +173,7 @@ def show(
     from .console import say, write_json
     from .outputs import check_outputs
 
-    check_outputs(json, inputs=[instance])
+    check_outputs(json, figure=matrix, inputs=[instance])
     add_folders(folders)
     formulation = registry.get(model)
     given: Any = None
@@ -179,6 +183,8 @@ def show(
         facts = _facts(formulation, given, str(instance), numbers(formulation, parameters))
     elif data:
         raise InputError("is of an instance; give one", field="--data")
+    elif matrix is not None:
+        raise InputError("is of an instance; give one", field="--matrix")
     about = {
         "name": formulation.name,
         "stage": formulation.spec.stage,
@@ -189,6 +195,16 @@ def show(
         "file": str(formulation.path),
     }
     write_json(json, {**about, **({"program": facts} if facts else {})})
+    if matrix is not None:
+        from ..optimise.compile import compile_formulation
+        from ..plots import save_figure
+        from ..studies.analysis.matrix_picture import plot_matrix
+
+        program = compile_formulation(formulation, given).program(
+            **numbers(formulation, parameters)
+        )
+        save_figure(plot_matrix(program), matrix)
+        say(f"picture written to {matrix}")
     say(formulation.mathematics)
     say()
     for name, item in formulation.spec.parameters.items():

@@ -56,6 +56,10 @@ def solve(
     options: Options = None,
     folders: Folders = None,
     json: Json = None,
+    figure: Annotated[
+        Path | None,
+        typer.Option(help="Write values, choice and duals as a picture: .png, .svg or .pdf."),
+    ] = None,
 ) -> None:
     """Solve a formulation on an instance, and print the solution with its certificate."""
     from ..optimise.solve import solve as solve_it
@@ -64,7 +68,7 @@ def solve(
     from .proofs import proved, require_suffix
 
     require_suffix(proof)
-    check_outputs(proof, json, inputs=[instance])
+    check_outputs(proof, json, figure=figure, inputs=[instance])
     formulation, data = prepared(model, instance, options, folders)
     point = None if start is None else _start(start, formulation, data, instance, options)
     solution = solve_it(
@@ -81,6 +85,8 @@ def solve(
         **numbers(formulation, parameters),
     )
     write_json(json, solution.document(), what="solution")
+    if figure is not None and solution.found:
+        _draw(solution, formulation, data, numbers(formulation, parameters), figure)
     _show_solution(solution)
     is_contradicted = False
     if proof is not None:
@@ -89,6 +95,19 @@ def solve(
         is_contradicted = bool(found.contradiction)
     if not solution.found or is_contradicted:
         raise typer.Exit(1)
+
+
+def _draw(
+    solution: Solution, formulation: Formulation, data: Any, values: dict[str, Any], path: Path
+) -> None:
+    from ..optimise.compile import compile_formulation
+    from ..plots import save_figure
+    from ..studies.analysis.solution_picture import plot_solution
+    from .console import say
+
+    program = compile_formulation(formulation, data).program(**values)
+    save_figure(plot_solution(program, solution), path)
+    say(f"picture written to {path}")
 
 
 def _start(

@@ -6,11 +6,10 @@ the caller alone: pyplot does not know them, no global setting changes, no displ
 notebook, what these functions return shows itself as the last value of a cell.
 
 Panels: `scouting` and `coverage`, `assignment`, `paths`, `gantt`, and `mission` with all of them and a
-`key`; `two_plans` beside each other; `floor` is what a map was made of. Charts: `convergence`.
-On a map, a `canvas`, stand `marks` that `placing` keeps apart, `walks` and `clusters`, or the
-`overview` of a large mission. What all share: `figure`, `legends`, `titles`,
-`lettering` (any name as it is written), `style` (what stands for what), `saving`. Not a picture but
-a page: `replay`.
+`key`; `two_plans` beside each other; `floor` is what a map was made of. Charts: `convergence`,
+`workload`. On a map, a `canvas`, stand `marks` that `placing` keeps apart, `walks` and `clusters`, or
+the `overview` of a large mission. What all share: `figure`, `legends`, `titles`, `lettering` (any name
+as it is written), `style` (what stands for what), `saving`. Not a picture but a page: `replay`.
 
 A robot keeps its colour in every picture (`robot_colour`), and red means unserved or unfound. Names on
 the pictures are short: R0 is the robot with id 0, S0 a scout, C0 a cluster; a disc holds a victim's id.
@@ -29,6 +28,7 @@ from .saving import FORMATS, save_figure
 from .scouting import plot_scouting
 from .style import robot_colour
 from .two_plans import plot_two_plans
+from .workload import plot_workload
 
 __all__ = [
     "FORMATS",
@@ -44,6 +44,7 @@ __all__ = [
     "plot_replay",
     "plot_scouting",
     "plot_two_plans",
+    "plot_workload",
     "robot_colour",
     "save_figure",
 ]

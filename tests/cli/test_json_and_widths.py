@@ -44,10 +44,11 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "compare-plans": ("compare-plans", "corridor", "--seconds", "0"),
     "diff-plans": ("diff-plans", "A", "B"),
     "convergence": ("convergence", "C"),
+    "workload": ("workload", "A"),
     "study status": ("study", "status", "STUDY"),
 }
 """Lines that print tables; compare, whose solves are processes, has its own tests."""
-LISTS = {"instances", "planners", "solvers", "models"}
+LISTS = {"instances", "planners", "solvers", "models", "workload"}
 STUDY = """
 title = "one planner"
 instances = [{ files = ["corridor", "split"] }]
