@@ -90,6 +90,7 @@ if TYPE_CHECKING:
     from .stages.options import StagedOptions as StagedOptions
     from .stages.scouting import scouting as scouting
     from .studies.analysis.agreement import disagreements as disagreements
+    from .studies.analysis.explore import explore as explore
     from .studies.analysis.matrix_picture import plot_matrix as plot_matrix
     from .studies.analysis.profile import performance_profile as performance_profile
     from .studies.analysis.score import score as score

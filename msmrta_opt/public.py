@@ -85,6 +85,7 @@ HOME = MappingProxyType(
         "staging_losses": "studies.analysis.staging_picture",
         "tradeoff": "studies.analysis.tradeoff",
         "tradeoff_regions": "studies.analysis.tradeoff",
+        "explore": "studies.analysis.explore",
         "stage_data": "stages.data",
         "StagedOptions": "stages.options",
         "reload_models": "optimise.registry",

@@ -37,6 +37,8 @@ METADATA = {
     "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
     "language_info": {"name": "python"},
 }
+KEPT = ("mystnb", "tags")
+"""Metadata of a cell."""
 OF_THIS_MACHINE = re.compile(r"/home/|/Users/|/tmp/|site-packages|[A-Za-z]:\\\\|\b0x[0-9a-f]{6,}")
 
 Notebook: TypeAlias = nbformat.NotebookNode
@@ -110,21 +112,32 @@ def cleaned(notebook: Notebook) -> Notebook:
     kept = copy.deepcopy(notebook)
     kept.metadata = nbformat.from_dict(METADATA)
     for cell in kept.cells:
-        tags = cell.metadata.get("tags", [])
-        cell.metadata = nbformat.from_dict({"tags": tags} if tags else {})
+        cell.metadata = nbformat.from_dict(
+            {key: cell.metadata[key] for key in KEPT if cell.metadata.get(key)}
+        )
         if cell.cell_type == "code":
-            cell.outputs = _joined([_cleaned_output(output) for output in cell.outputs])
+            alt = alternative(cell)
+            cell.outputs = _joined([_cleaned_output(output, alt) for output in cell.outputs])
     return kept
 
 
-def _cleaned_output(output: Notebook) -> Notebook:
+def alternative(cell: Notebook) -> str:
+    """What a cell's picture shows, in words: kept where the documentation site looks for it."""
+    return str(cell.metadata.get("mystnb", {}).get("image", {}).get("alt", ""))
+
+
+def _cleaned_output(output: Notebook, alt: str) -> Notebook:
+    """An output as it is kept; a picture of a widget stands for the widget, words for a picture."""
     if "data" not in output:
         return output
     output.metadata = nbformat.from_dict({})
-    if WIDGET in output.data:
+    if output.data.pop(WIDGET, None) and "image/png" not in output.data:
         output.data = nbformat.from_dict({"text/plain": IN_PLACE_OF_A_WIDGET})
     if "image/png" in output.data:
         output.data["image/png"] = _smaller(output.data["image/png"])
+        if alt:
+            output.metadata = nbformat.from_dict({"image/png": {"alt": alt}})
+            output.data["text/plain"] = alt
     return output
 
 
@@ -179,6 +192,14 @@ def _words(output: Notebook) -> str:
     return "\n".join(f"{kind}: {text}" for kind, text in sorted(shown.items()))
 
 
+def lengths(notebook: Notebook) -> tuple[int, int]:
+    """Characters of prose and of code."""
+    of = {"markdown": 0, "code": 0}
+    for cell in notebook.cells:
+        of[cell.cell_type] += len(cell.source)
+    return of["markdown"], of["code"]
+
+
 def faults(path: Path) -> list[str]:
     """What is wrong with a kept notebook, as far as can be seen without running it."""
     text, notebook = path.read_text(encoding="utf-8"), read(path)
@@ -192,6 +213,8 @@ def faults(path: Path) -> list[str]:
     for name, output in outputs:
         if output.output_type == "error":
             found.append(f"cell {name} was kept with {output.ename}: {output.evalue}")
+        if "image/png" in output.get("data", {}) and "image/png" not in output.metadata:
+            found.append(f"cell {name} shows a picture without words for who cannot see it")
         if output.get("name") == "stderr":
             found.append(f"cell {name} shows a warning or log: {output.text.strip()[:200]}")
     if notebook != cleaned(notebook):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import importlib
+import re
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -35,6 +36,18 @@ def test_a_notebook_runs_and_shows_what_is_kept(path: Path, refresh: ModuleType)
     )
 
 
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_explains_at_least_as_long_as_it_computes(
+    path: Path, refresh: ModuleType
+) -> None:
+    notebook = refresh.read(path)
+    prose, code = refresh.lengths(notebook)
+    assert prose >= code
+    assert "$$" in "".join(cell.source for cell in notebook.cells), "no equation stands in it"
+    claims = [cell.id for cell in notebook.cells if re.search(r"^\s*assert ", cell.source, re.M)]
+    assert claims == [], "what a notebook claims stands in its outputs, or is tested elsewhere"
+
+
 def test_every_notebook_has_its_line_in_the_readme() -> None:
     assert NOTEBOOKS
     readme = (FOLDER / "README.md").read_text(encoding="utf-8")
@@ -42,6 +55,9 @@ def test_every_notebook_has_its_line_in_the_readme() -> None:
 
 
 # The machinery itself, on a notebook of a few lines
+
+DOT = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABAQAAAAA3bvkkAAAACklEQVR4nGNoAAAAggCBd81ytgAAAABJRU5ErkJggg=="
+"""A picture of one pixel."""
 
 
 def of(*sources: str) -> Any:
@@ -133,6 +149,11 @@ def add_metadata(notebook: Any) -> None:
     notebook.cells[0].metadata["execution"] = {"iopub.execute_input": "2024-01-01T00:00:00Z"}
 
 
+def add_picture(notebook: Any) -> None:
+    picture = nbformat.v4.new_output("display_data", data={"image/png": DOT, "text/plain": "dot"})
+    notebook.cells[0].outputs = [picture]
+
+
 def add_words(words: str, stream: str = "stdout") -> Callable[[Any], None]:
     def add(notebook: Any) -> None:
         notebook.cells[0].outputs = [nbformat.v4.new_output("stream", name=stream, text=words)]
@@ -148,6 +169,7 @@ def add_words(words: str, stream: str = "stdout") -> Callable[[Any], None]:
         (forget_counts, "cells were not run once each, from top to bottom"),
         (add_error, "cell b was kept with InputError: psi: 2"),
         (add_metadata, "kept with what differs from run to run"),
+        (add_picture, "cell a shows a picture without words for who cannot see it"),
         (add_words("careful\n", stream="stderr"), "cell a shows a warning or log: careful"),
         (add_words("in /home/someone"), "names this machine: '/home/'"),
         (add_words(f"in {FOLDER}"), f"names this machine: '{FOLDER.parent}'"),
@@ -158,6 +180,26 @@ def test_a_notebook_kept_in_another_way_has_a_fault(
     change: Callable[[Any], None], fault: str, kept: Callable[..., Path], refresh: ModuleType
 ) -> None:
     assert refresh.faults(kept(change)) == [fault]
+
+
+def test_a_picture_keeps_its_words_and_stands_for_its_widget(refresh: ModuleType) -> None:
+    data = {"image/png": DOT, "text/plain": "Explorer()", refresh.WIDGET: {"model_id": "1"}}
+    cell = nbformat.v4.new_code_cell(
+        "x", id="a", outputs=[nbformat.v4.new_output("display_data", data=data)]
+    )
+    cell.metadata["mystnb"] = {"image": {"alt": "a dot"}}
+    (kept,) = refresh.cleaned(nbformat.v4.new_notebook(cells=[cell])).cells
+    (output,) = kept.outputs
+    assert set(output.data) == {"image/png", "text/plain"}
+    assert output.data["text/plain"] == "a dot"
+    assert output.metadata == {"image/png": {"alt": "a dot"}}
+    assert refresh.alternative(kept) == "a dot"
+
+
+def test_prose_and_code_are_measured(refresh: ModuleType) -> None:
+    notebook = of("1 + 1", "2")
+    notebook.cells.append(nbformat.v4.new_markdown_cell("Two sums."))
+    assert refresh.lengths(notebook) == (9, 6)
 
 
 def test_a_notebook_that_is_too_large_has_a_fault(
