@@ -39,6 +39,13 @@ def tradeoff(
     csv: Annotated[Path | None, typer.Option(help="Write the pieces here.")] = None,
     json: Json = None,
     figure: Figure = None,
+    explore: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write a page on all plans over psi,beta here, to look around in.",
+            metavar="FILE.html",
+        ),
+    ] = None,
 ) -> None:
     """Find every optimum over a parameter, or every plan over ψ and β, with exact values of change."""
     from ..interruption import interrupted, interruptible
@@ -48,7 +55,7 @@ def tradeoff(
     from .console import say, write_json
     from .outputs import check_outputs
 
-    check_outputs(csv, json, figure=figure, inputs=[instance])
+    check_outputs(csv, json, explore, figure=figure, inputs=[instance])
     add_folders(folders)
     given = {"psi": psi, "seed": seed, **named_values(options), **values_of(parameters)}
     chosen: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
@@ -58,6 +65,11 @@ def tradeoff(
         raise InputError(f"{over!r}; give one parameter, or psi,beta", field="--over")
     if len(names) > 1 and model is not None:
         raise InputError("goes with one parameter", field="--model")
+    if explore is not None:
+        if len(names) == 1:
+            raise InputError("is of two parameters; give --over psi,beta", field="--explore")
+        if explore.suffix.lower() not in (".html", ".htm"):
+            raise InputError(f"unknown format {explore.suffix!r}; give .html", file=explore)
     with interruptible():
         if len(names) > 1:
             regions = study.tradeoff_regions(mission, **chosen)
@@ -76,6 +88,11 @@ def tradeoff(
             drawn = regions_figure(regions) if len(names) > 1 else tradeoff_figure(result)
             save_figure(drawn, figure)
             say(f"picture written to {figure}")
+        if explore is not None:
+            from ..studies.analysis.plan_space import PlanSpace
+
+            PlanSpace(regions).save(explore)
+            say(f"page written to {explore}")
         if len(names) > 1:
             _show_regions(regions, rows)
         else:

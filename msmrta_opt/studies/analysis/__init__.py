@@ -6,5 +6,5 @@ Of formulations: `score` (by the plans they make), `choices` (who gets what), `w
 tells two apart). Of programs: `matrix_picture` (what their structure proves) and `solution_picture`
 (values, choice and duals). Of the staged planner: `staging` (what each stage costs) with
 `staging_picture`, `tradeoff` (what ψ and β do) with its `tradeoff_results`, `tradeoff_pictures`,
-`tradeoff_pages` and `explore` (sliders).
+`tradeoff_pages`, `explore` (sliders) and `plan_space` (all plans at once).
 """

@@ -7,8 +7,9 @@ strip: every plan that the parameters can give, once, with the interval in which
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 from ...mission.errors import InputError
@@ -16,6 +17,7 @@ from ...mission.plan import Plan
 from ...plots.figure import Picture, cut_of
 from ...plots.lettering import as_written
 from ...plots.paths import plot_paths
+from .plan_space import PlanSpace
 from .tradeoff_pictures import SYMBOL, numbers_of, plot_regions, short
 from .tradeoff_results import Regions, Segment, Tradeoff
 
@@ -115,6 +117,25 @@ class Explorer:
         if len(self.frames) > len(shown):
             film.suptitle(f"{len(shown)} of {len(self.frames)} plans", fontsize=10)
         return film
+
+    @cached_property
+    def space(self) -> PlanSpace:
+        """All plans over ψ and β at once: one dot a plan, linked to the square; a page and a picture.
+
+        Raises
+        ------
+        InputError
+            If the trade-off is over one parameter alone.
+        """
+        if not isinstance(self.result, Regions):
+            raise InputError(
+                "is over one parameter; give what `tradeoff_regions` returns", field="result"
+            )
+        return PlanSpace(self.result)
+
+    def save(self, path: str | Path) -> None:
+        """Write `space` as a page (``.html``), or as a picture; see `PlanSpace.save`."""
+        self.space.save(path)
 
     def controls(self) -> Any:
         """The sliders, the map and its words, as a widget.
