@@ -34,6 +34,7 @@ from . import (
     missions,
     models,
     plan_differences,
+    plan_export,
     plans,
     programs,
     proofs,
@@ -55,8 +56,8 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help starts in half the time
 )
 for group in (
-    missions, instances, generate, maps, exact, convergence, plans, plan_differences, replay, models,
-    workload, programs, diagnosis, watch, proofs, compare, tradeoff, study,
+    missions, instances, generate, maps, exact, convergence, plans, plan_differences, plan_export,
+    replay, models, workload, programs, diagnosis, watch, proofs, compare, tradeoff, study,
 ):  # fmt: skip
     group.register(app)
 

@@ -9,6 +9,7 @@ whose `fields` and `map_field` are read by `validation` and whose `mistakes` no 
 `shipped` ones as `examples`; `generate` draws one, `draft` makes one of `places`. A plan is in `plan`,
 made of routes in `route` and, if it claims a bound, of what proves it in `proof` and how a search
 came to it in `convergence`; `metrics` says how good it is,
+`waypoints` are its poses and `plan_export` writes them for other programs;
 `plan_tables` and `plan_difference` are a plan as tables and two beside each other, `display` is how they
 show themselves. `exact` says which fraction a number stands for, where figures are checked exactly.
 """

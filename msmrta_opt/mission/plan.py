@@ -22,6 +22,7 @@ from .files import write_text
 from .instance import CellField, Instance
 from .metrics import Metrics, metrics_of
 from .plan_difference import PlanDifference
+from .plan_export import export_plan
 from .plan_tables import TABLES, VISIT_COLUMNS
 from .proof import Finite, LatencyProof, RootProof
 from .route import PlanRecord, Time
@@ -239,6 +240,23 @@ class Plan(PlanRecord):
     def save(self, path: str | Path) -> None:
         """Write the plan as JSON, whole or not at all."""
         write_text(path, json.dumps(self.document(), separators=(",", ":")) + "\n")
+
+    def export(self, path: str | Path, *, frame_id: str = "map") -> list[Path]:
+        """Write what robots drive, for Nav2, as a table or as GeoJSON; see `plan_export`.
+
+        Parameters
+        ----------
+        path : path
+            ``.yaml``, of which each robot gets one, ``.csv`` or ``.geojson``.
+        frame_id : str
+            The frame of the poses, as ROS calls it.
+
+        Returns
+        -------
+        list of Path
+            The files.
+        """
+        return export_plan(self, path, frame_id=frame_id)
 
     @classmethod
     def read(cls, path: str | Path) -> Plan:
