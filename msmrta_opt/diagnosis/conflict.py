@@ -161,7 +161,7 @@ class _System:
         refuse_dropped("highs", self.own, self.program)
         self.deadline = deadline
         self._statuses = highspy.HighsModelStatus
-        self._highs: Any = highspy.Highs()
+        self._highs: Any = highs.new_highs()
         highs.set_options(self._highs, options, integer=bool(program.integer.any()))
         if program.integer.any():  # its presolve is wrong now and then, and may not end
             self._highs.setOptionValue("presolve", "off")

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..arrays import Bools, Floats
 from ..optimise.scaling import Scaling
+from ..optimise.solvers.highs import new_highs
 from .exact import ExactProgram, Rational, Row
 
 
@@ -40,7 +41,7 @@ class Relaxation:
 
         self.program = program
         self._statuses = highspy.HighsModelStatus
-        self._highs: Any = highspy.Highs()
+        self._highs: Any = new_highs()
         for name, value in {
             "output_flag": False,
             "threads": 1,

@@ -8,6 +8,7 @@ from importlib.metadata import version
 import highspy
 import numpy as np
 
+from ..optimise.solvers.highs import new_highs
 from .stop import StoppingCriterion
 
 _ASK_EVERY = 32
@@ -16,7 +17,7 @@ _ASK_EVERY = 32
 
 def quiet_highs(seed: int = 0) -> highspy.Highs:
     """A model that prints nothing and keeps to one thread."""
-    highs = highspy.Highs()
+    highs: highspy.Highs = new_highs()
     highs.setOptionValue("output_flag", False)
     highs.setOptionValue("threads", 1)
     highs.setOptionValue("random_seed", seed)

@@ -6,6 +6,7 @@ skipped, and nowhere else.
 
 from __future__ import annotations
 
+import os
 import pickle
 import subprocess
 import sys
@@ -29,6 +30,7 @@ from msmrta_opt.optimise.solution import Solution
 from msmrta_opt.optimise.solve import solve_program
 from msmrta_opt.optimise.solvers import Options, Outcome, Solver, apart, get, solvers
 from msmrta_opt.optimise.solvers.cpsat import scaled
+from msmrta_opt.optimise.solvers.highs import new_highs
 
 FREE = ("highs", "scip", "cpsat", "glpk")
 COMMERCIAL = ("gurobi", "cplex", "xpress", "copt", "mosek")
@@ -526,6 +528,20 @@ def test_a_solver_without_its_licence_is_not_installed() -> None:
 def test_an_unknown_solver_is_an_error_that_names_the_known_ones() -> None:
     with pytest.raises(InputError, match=r"no solver 'simplex'; there are auto, highs, scip"):
         get("simplex")
+
+
+def test_what_highs_prints_when_it_is_made_is_not_shown(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def made() -> object:
+        os.write(1, b"Running HiGHS, with its notices")
+        raise RuntimeError("a fault of the library")
+
+    monkeypatch.setattr("highspy.Highs", made)
+    with pytest.raises(RuntimeError, match="a fault of the library"):
+        new_highs()
+    os.write(1, b"and then")
+    assert capfd.readouterr().out == "and then"
 
 
 # ------------------------------------------------------------------------------------- registry

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import replace
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -20,6 +22,7 @@ SMALL = 60
 feasible ones infeasible, and is now and then caught in an endless loop, where it has little to gain."""
 
 _threads_in_use: int | None = None
+_making = Lock()
 
 
 def run(program: Program, options: Options) -> Outcome:
@@ -31,7 +34,7 @@ def run(program: Program, options: Options) -> Outcome:
         raise SolverError(f"HiGHS cannot be loaded in this process: {error}") from error
     began = time.perf_counter()
     program = program.with_whole_bounds()
-    highs = highspy.Highs()
+    highs = new_highs()
     size = program.n_columns + program.n_rows
     set_options(highs, options, integer=bool(program.integer.any()), size=size)
     highs.passModel(model(highspy, program))
@@ -43,6 +46,28 @@ def run(program: Program, options: Options) -> Outcome:
     if highs.getModelStatus() == highspy.HighsModelStatus.kUnboundedOrInfeasible:
         return unbounded_or_infeasible(run, program, options, began)
     return _outcome(highspy, highs, program)
+
+
+def new_highs() -> Any:
+    """A HiGHS object.
+
+    Some versions (1.16) print their name as they make one, before they can be told to be silent; so
+    standard output leads nowhere meanwhile, below Python, where the library writes.
+    """
+    import highspy
+
+    with _making:
+        try:
+            screen = os.dup(1)
+        except OSError:  # closed: nothing can be printed
+            return highspy.Highs()
+        try:
+            with open(os.devnull, "wb") as nowhere:
+                os.dup2(nowhere.fileno(), 1)
+            return highspy.Highs()
+        finally:
+            os.dup2(screen, 1)
+            os.close(screen)
 
 
 def heed_interruption(highs: Any) -> None:
@@ -60,7 +85,7 @@ def infeasible_ray(program: Program, options: Options) -> Floats | None:
     """Multipliers of the rows that, by HiGHS, prove the relaxation of `program` infeasible, if it is."""
     import highspy
 
-    highs = highspy.Highs()
+    highs = new_highs()
     set_options(highs, replace(options, gap=None), integer=False)
     highs.setOptionValue("presolve", "off")
     relaxed = program.relaxed()
