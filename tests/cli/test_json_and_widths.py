@@ -16,11 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.commands import commands
 
 from msmrta_opt import cli
 from msmrta_opt.cli import console, tables
 from msmrta_opt.mission.examples import example
 from msmrta_opt.planners import plan
+from msmrta_opt.studies import comparison, runner
 
 Run = Callable[..., int]
 Capture = pytest.CaptureFixture[str]
@@ -46,9 +48,18 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "convergence": ("convergence", "C"),
     "workload": ("workload", "A"),
     "study status": ("study", "status", "STUDY"),
+    "study run": ("study", "run", "STUDY"),
+    "compare": ("compare", "two_rooms", "--solvers", "auto,highs", "--prove"),
+    "map": ("map", "FLOOR"),
 }
-"""Lines that print tables; compare, whose solves are processes, has its own tests."""
-LISTS = {"instances", "planners", "solvers", "models", "workload"}
+"""Lines that print tables; solves and runs are done in this process."""
+LINES = {"check", "explain", "diff", "watch", "study export"}
+"""Commands with JSON that print lines alone."""
+NO_JSON = {"new-model", "new-mission", "generate", "export", "replay", "study report"}
+"""Commands that write a file and print a line that says so."""
+DOCUMENTS = {"schema", "checker"}
+"""Commands that print a file."""
+LISTS = {"instances", "planners", "solvers", "models", "compare", "workload"}
 STUDY = """
 title = "one planner"
 instances = [{ files = ["corridor", "split"] }]
@@ -67,7 +78,35 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     plan(example("corridor"), planner="exact").save(folder / "C")
     (folder / "STUDY").write_text(STUDY)
     Ledger(folder / "STUDY.sqlite").close()
+    (folder / "FLOOR").write_text("type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n")
     return folder
+
+
+@pytest.fixture(autouse=True, scope="module")
+def here() -> Iterator[None]:
+    """Solves and runs are done in this process: quicker, and the tables are the same."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (comparison, runner):
+            patch.setattr(module, "locally", lambda jobs=1: runner.here)
+        yield
+
+
+def test_every_command_that_prints_a_table_has_json_and_is_tried_here() -> None:
+    all_of_them = commands()
+    with_json = {name for name, options in all_of_them.items() if "--json" in options}
+    assert with_json == (COMMANDS.keys() - {"regions"}) | LINES
+    assert all_of_them.keys() - with_json == NO_JSON | DOCUMENTS
+
+
+def test_every_command_that_takes_a_formulation_takes_folders_parameters_and_options() -> None:
+    all_of_them = commands()
+    takes = {name for name, options in all_of_them.items() if "--models" in options}
+    chosen = {"model", "model_a", "--model", "--victim-model"}
+    named = {name for name, options in all_of_them.items() if chosen & options}
+    assert takes - named == {"models", "compare", "check", "new-model"}  # by other arguments
+    assert named < takes
+    for name in takes - {"new-model"}:
+        assert {"--param", "--option"} <= all_of_them[name], name
 
 
 @pytest.fixture(scope="module")
