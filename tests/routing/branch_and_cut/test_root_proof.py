@@ -119,5 +119,7 @@ def test_without_any_other_solver_one_line_says_what_to_install(
         return found(module) is not None and module == "highspy"
 
     monkeypatch.setattr(base, "_importable", only_highs)
-    with pytest.raises(SolverError, match=r"no solver but highs is installed; .*swiglpk"):
+    with pytest.raises(
+        SolverError, match=r"no solver but highs is installed; .*msmrta_opt\[solvers\]"
+    ):
         second_opinion.other_solver()
