@@ -9,7 +9,7 @@ BIN := $(VENV)/bin
 # Compiled modules are kept: tests start hundreds of processes, and each would compile the package anew.
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: demo test test-all lint types unit figure schema notebooks clean
+.PHONY: demo test test-all lint types unit figure schema notebooks docs clean
 
 demo: $(VENV)/.installed
 	@mkdir -p out
@@ -24,7 +24,7 @@ lint: $(VENV)/.installed
 types: $(VENV)/.installed
 	$(BIN)/mypy
 
-test-all: lint types
+test-all: lint types $(VENV)/.installed-docs
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow or not slow"
 
 unit: $(VENV)/.installed
@@ -41,6 +41,16 @@ schema: $(VENV)/.installed
 # The notebooks with their outputs.
 notebooks: $(VENV)/.installed
 	$(BIN)/python notebooks/refresh.py
+
+# The documentation site, into a folder that opens without a network; a warning is an error.
+docs: $(VENV)/.installed-docs
+	$(BIN)/python -m sphinx -c docs -b html --fail-on-warning --keep-going . out/site
+	@echo "open out/site/index.html"
+
+# Sphinx and its kin are for the site alone: the quick tests, and who only plans, go without them.
+$(VENV)/.installed-docs: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	@touch $@
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

@@ -54,7 +54,7 @@ class Spec:
     title : str
         One line for lists.
     parameters : dict of str to Parameter
-        By the names of the ``cp.Parameter``s; each is used.
+        By the name of each ``cp.Parameter``; all are used.
     assumes : str
         What must hold of the data for a solution to exist, if anything.
 

@@ -14,7 +14,13 @@ from .support.planner import Planner
 
 
 def run(instance: Instance, *, seed: int = 0) -> Plan:
-    """Plan `instance` greedily; `seed` is that of scouting."""
+    """Plan `instance` greedily.
+
+    Parameters
+    ----------
+    seed : int
+        Of scouting.
+    """
     return plan_by(allocate, instance, planner=PLANNER, seed=seed, options={})
 
 

@@ -12,7 +12,13 @@ from .support.planner import Planner
 
 
 def run(instance: Instance, *, seed: int = 0) -> Plan:
-    """Plan `instance` at random, the same for the same `seed`."""
+    """Plan `instance` at random.
+
+    Parameters
+    ----------
+    seed : int
+        Of scouting and of the plan: the same seed makes the same plan.
+    """
     return plan_by(
         lambda situation: allocate(situation, seed),
         instance,

@@ -22,7 +22,13 @@ from .support.planner import Planner
 
 
 def run(instance: Instance, *, seed: int = 0) -> Plan:
-    """Plan `instance` by sequential single-item auctions; `seed` is that of scouting."""
+    """Plan `instance` by sequential single-item auctions.
+
+    Parameters
+    ----------
+    seed : int
+        Of scouting.
+    """
     return plan_by(allocate, instance, planner=PLANNER, seed=seed, options={})
 
 
