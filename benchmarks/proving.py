@@ -1,12 +1,15 @@
-"""What proofs of programs cost: leaves, size, seconds to write and to check, beside those to solve.
+"""What proofs cost: leaves, size, seconds to write and to check, beside those to solve.
 
     python benchmarks/proving.py [--instances FILE…] [--external DIR] [--models NAME…]
                                  [--time-limit 60] [--viprchk PATH]
+    python benchmarks/proving.py --plans 4x20 10x50 … [--missions 10] [--objectives total_time makespan]
+                                 [--time-limit 600] [--viprchk PATH]
 
 All formulations on the shipped missions (of the stage routing those of up to 4 × 20), and with
 ``--external`` the generalised assignment, p-median and MPS files of DIR (see ``external.py``). With
 ``--viprchk`` the reference checker of the format, built apart from this project, is given each
-certificate, too. The exit status is 1 if a proof contradicts a claim, or a checker refuses one.
+certificate, too. With ``--plans`` it is plans of the missions of ``exact.py``, those that the exact
+planner calls optimal. The exit status is 1 if a proof contradicts a claim, or a checker refuses one.
 """
 
 from __future__ import annotations
@@ -20,9 +23,11 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
+from exact import mission
 from external import read_generalised, read_p_median
 from scipy.sparse import csr_array, kron
 
@@ -41,6 +46,8 @@ from msmrta_opt.proofs.prove import Proof, prove_program
 from msmrta_opt.stages.data import stage_data
 
 INSTANCES = Path(__file__).parents[1] / "instances"
+PROVABLE = ("total_time", "makespan")
+"""Objectives of plans that can be proved to the last branch."""
 LARGEST_ROUTING = (4, 20)
 """Robots and victims up to which the whole joint problem is proved."""
 
@@ -115,7 +122,8 @@ def medians(file: Path) -> Program:
 class Outcome:
     """A case that was tried."""
 
-    case: Case
+    family: str
+    name: str
     proof: Proof
     solve_seconds: float
     reference: str
@@ -132,19 +140,42 @@ def tried(case: Case, time_limit: float, viprchk: Path | None, folder: Path) -> 
     is_file = case.family == "mps"
     numbers: tuple[Numbers, ...] = ("decimal", "binary") if is_file else ("binary", "simple")
     proof = prove_program(program, solution, path, time_limit=time_limit, numbers=numbers)
-    said = ""
-    if viprchk is not None:
-        run = subprocess.run([viprchk, path], capture_output=True, check=False)
-        said = "accepted" if run.returncode == 0 else "refused"
-    return Outcome(case, proof, solved, said)
+    return Outcome(case.family, case.name, proof, solved, referred(viprchk, path))
+
+
+def planned(
+    sizes: list[str], objectives: list[str], missions: int, time_limit: float, viprchk: Path | None
+) -> Iterator[Outcome]:
+    """Plan each mission of `exact.py`, and prove what the planner says is optimal."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "proof.vipr"
+        for size, objective, number in product(sizes, objectives, range(missions)):
+            instance = mission(size, number)
+            began = time.perf_counter()
+            plan = mo.plan(instance, planner="exact", objective=objective, time_limit=time_limit)
+            solved = time.perf_counter() - began
+            if plan.certificates[0].status != "optimal":
+                say(f"{objective} {size} {number}: left open by the planner")
+                continue
+            proof = mo.prove_plan(plan, path=path, time_limit=time_limit)
+            said = referred(viprchk, path)
+            yield Outcome(f"{objective} {size}", str(number), proof, solved, said)
+
+
+def referred(viprchk: Path | None, path: Path) -> str:
+    """What the reference checker says of the certificate at `path`, if it is there to be asked."""
+    if viprchk is None:
+        return ""
+    run = subprocess.run([viprchk, path], capture_output=True, check=False)
+    return "accepted" if run.returncode == 0 else "refused"
 
 
 def show(outcomes: list[Outcome]) -> None:
     """A line per family, then what was not proved."""
-    families = dict.fromkeys(outcome.case.family for outcome in outcomes)
+    families = dict.fromkeys(outcome.family for outcome in outcomes)
     rows = []
     for family in families:
-        own = [outcome for outcome in outcomes if outcome.case.family == family]
+        own = [outcome for outcome in outcomes if outcome.family == family]
         whole = [o for o in own if o.proof.status in ("proved", "infeasible")]
         took = [o.proof.seconds / max(o.solve_seconds, 1e-9) for o in whole]
         rows.append((
@@ -165,7 +196,7 @@ def show(outcomes: list[Outcome]) -> None:
         "Not proved",
         ["family", "case", "value", "bound", "solve s", "prove s", "why"],
         [
-            (o.case.family, o.case.name, o.proof.value, o.proof.bound, f"{o.solve_seconds:.1f}",
+            (o.family, o.name, o.proof.value, o.proof.bound, f"{o.solve_seconds:.1f}",
              f"{o.proof.seconds:.1f}", o.proof.remark) for o in left
         ],
     )  # fmt: skip
@@ -183,6 +214,25 @@ def _middle_and_most(values: list[float] | list[int], form: str) -> tuple[str, s
     return format(int(middle) if form == "d" else middle, form), format(max(values), form)
 
 
+def _outcomes(arguments: argparse.Namespace) -> Iterator[Outcome]:
+    if arguments.plans:
+        yield from planned(
+            arguments.plans, arguments.objectives, arguments.missions, arguments.time_limit,
+            arguments.viprchk,
+        )  # fmt: skip
+        return
+    files = arguments.instances
+    if files is None:
+        shipped = [*INSTANCES.glob("*.json"), *INSTANCES.glob("suite/*.json")]
+        files = [] if arguments.external else sorted(shipped)
+    cases = list(missions(files, arguments.models))
+    if arguments.external:
+        cases += external(arguments.external)
+    with tempfile.TemporaryDirectory() as folder:
+        for case in cases:
+            yield tried(case, arguments.time_limit, arguments.viprchk, Path(folder))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--instances", nargs="*", type=Path, default=None)
@@ -192,22 +242,16 @@ def main() -> None:
         "--time-limit", type=float, default=60.0, help="seconds, to solve and prove"
     )
     parser.add_argument("--viprchk", type=Path, help="the format's reference checker")
+    parser.add_argument("--plans", nargs="+", help="sizes of missions to plan, such as 4x20")
+    parser.add_argument("--objectives", nargs="+", default=PROVABLE, choices=PROVABLE)
+    parser.add_argument("--missions", type=int, default=10, help="of each size")
     arguments = parser.parse_args()
-    files = arguments.instances
-    if files is None:
-        shipped = [*INSTANCES.glob("*.json"), *INSTANCES.glob("suite/*.json")]
-        files = [] if arguments.external else sorted(shipped)
-    cases = list(missions(files, arguments.models))
-    if arguments.external:
-        cases += external(arguments.external)
     outcomes = []
-    with tempfile.TemporaryDirectory() as folder:
-        for case in cases:
-            outcome = tried(case, arguments.time_limit, arguments.viprchk, Path(folder))
-            outcomes.append(outcome)
-            proof, solved = outcome.proof, outcome.solve_seconds
-            print(f"{case.family:22s} {case.name:16s} {solved:8.2f} s  {proof.summary}", end="  ")
-            print(f"check {proof.check_seconds:.2f} s {outcome.reference}", flush=True)
+    for outcome in _outcomes(arguments):
+        outcomes.append(outcome)
+        proof, solved = outcome.proof, outcome.solve_seconds
+        print(f"{outcome.family:22s} {outcome.name:16s} {solved:8.2f} s  {proof.summary}", end="  ")
+        print(f"check {proof.check_seconds:.2f} s {outcome.reference}", flush=True)
     show(outcomes)
     wrong = [o for o in outcomes if o.proof.contradiction or o.reference == "refused"]
     sys.exit(1 if wrong else 0)
