@@ -27,7 +27,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from urllib.parse import quote
@@ -39,6 +38,7 @@ from . import vipr
 from .certificates import worth
 from .joint_problem import Joint, figure
 from .linear_relaxation import CUTS, MAKESPAN, Column, Row, cut_row, first_rows
+from .verdict import Verdict
 
 _CUT = re.compile(
     r"(first|last):(\d{1,18})():([\d,]*)|(subtour|outside):(\d{1,18}):(\d{1,18}):([\d,]*)"
@@ -46,36 +46,7 @@ _CUT = re.compile(
 _OF_TIMES = ("walk", "endurance", "makespan")
 
 
-@dataclass(frozen=True)
-class JointProof:
-    """What a certificate proves of a plan."""
-
-    objective: str
-    value: Fraction
-    """What the plan is worth."""
-    bound: Fraction
-    """No plan is worth less."""
-    n_cuts: int
-    n_derivations: int
-
-    @property
-    def whole(self) -> bool:
-        """Whether the plan is proved to be optimal."""
-        return self.bound == self.value
-
-    @property
-    def summary(self) -> str:
-        """What is proved, in words."""
-        size = f"{self.n_cuts} cuts, {self.n_derivations} derivations"
-        if self.whole:
-            return f"proved: the {self.objective} of {figure(self.value)} is optimal ({size})"
-        return (
-            f"proved: no plan has a {self.objective} below {figure(self.bound)}; this one has "
-            f"{figure(self.value)} ({size})"
-        )
-
-
-def check_joint_proof(path: str | Path, plan: Plan) -> JointProof:
+def check_joint_proof(path: str | Path, plan: Plan) -> Verdict:
     """Check a certificate of the joint problem of `plan`; what it proves.
 
     Parameters
@@ -115,7 +86,8 @@ def check_joint_proof(path: str | Path, plan: Plan) -> JointProof:
             f"{path}: it claims that no plan has a {stated.objective} below {figure(bound)}, and this "
             f"one has {figure(value)}"
         )
-    return JointProof(stated.objective, value, bound, stated.n_cuts, found.n_derivations)
+    size = f"{stated.n_cuts} cuts, {found.n_derivations} derivations"
+    return Verdict(stated.objective, value, bound, size)
 
 
 class _Statement:

@@ -223,25 +223,34 @@ class States:
             done[heads, self.longest + t] = np.minimum(np.minimum.reduceat(ways, first), NEVER)
         return done[:, self.longest :]
 
+    def onward(self, cost: Ints) -> Ints:
+        """Least cost of going on from each state at each step, ``(n, last + 1 + longest)``."""
+        n_steps = cost.shape[2]
+        width = n_steps + self.longest
+        after = np.full((self.n, width), NEVER)
+        after[:, :n_steps] = 0
+        if not len(self.head):
+            return after
+        ahead = np.pad(cost, ((0, 0), (0, 0), (0, self.longest)), constant_values=NEVER)
+        by_tail = np.argsort(self.tail, kind="stable")
+        tails, first = np.unique(self.tail[by_tail], return_index=True)
+        later = (self.head * width + self.steps)[by_tail]
+        there = (self._rows(cost) * width + self.steps)[by_tail]
+        for t in range(n_steps - 1, -1, -1):
+            ways = after.ravel()[later + t] + ahead.ravel()[there + t]
+            after[tails, t] = np.minimum(np.minimum.reduceat(ways, first), 0)
+        return after
+
     def through(self, cost: Ints, there: Ints, legs: tuple[int, ...]) -> tuple[Ints, Ints]:
         """Least cost of a path with a service, ``cost.shape``, or with a leg, of shape `legs`."""
         service, leg = np.full(cost.shape, NEVER), np.full(legs, NEVER)
         if not len(self.head):
             return service, leg
         n_steps = cost.shape[2]
-        width = n_steps + self.longest
-        after = np.full((self.n, width), NEVER)
-        ahead = np.pad(cost, ((0, 0), (0, 0), (0, self.longest)), constant_values=NEVER)
-        by_tail = np.argsort(self.tail, kind="stable")
-        tails, first = np.unique(self.tail[by_tail], return_index=True)
-        later = (self.head * width + self.steps)[by_tail]
-        onward = (self._rows(cost) * width + self.steps)[by_tail]
+        after = self.onward(cost)
         row, here = self._rows(cost), self._rows(cost) * n_steps
         of_leg = self.origin * legs[1] + self.victim
         for t in range(n_steps - 1, 0, -1):
-            ways = after.ravel()[later + t] + ahead.ravel()[onward + t]
-            after[:, t] = 0
-            after[tails, t] = np.minimum(np.minimum.reduceat(ways, first), 0)
             left = np.where(self.steps <= t, t - self.steps, n_steps)
             whole = np.where(left < n_steps, there[self.tail, np.minimum(left, n_steps - 1)], NEVER)
             whole = whole + cost.ravel()[here + t] + after[self.head, t]

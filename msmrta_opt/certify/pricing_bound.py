@@ -35,7 +35,7 @@ from ..mission.errors import CheckError
 from ..mission.exact import exact
 from ..mission.proof import LatencyProof, PricingRound
 from .joint_problem import Joint
-from .ng_routes import NEVER, Deadlines, Network, Task
+from .ng_routes import NEVER, Deadlines, Network, States, Task
 from .scheduling_bound import power_of_two_below
 
 _BITS = 60
@@ -62,36 +62,73 @@ def pricing_bound(joint: Joint, proof: LatencyProof, worth: Fraction) -> Fractio
         If dual values are of what there is not, densities are too high, or there is more than can be
         counted.
     """
+    priced = price(joint, proof, worth)
+    return worth if priced is None else priced.best
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A robot's network, and its cheapest paths at some dual values."""
+
+    network: Network
+    states: States
+    cost: Ints
+    """Of being done with every option at every step, ``(m, n_options, last + 1)``."""
+    there: Ints
+    """Least cost of being at each state at each step."""
+    cheapest: int
+    """Of all paths; 0 if staying is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Priced:
+    """What rounds of dual values prove and leave open."""
+
+    best: Fraction
+    """No better plan is worth less."""
+    better: int
+    """What better plans are worth at most, in units."""
+    unit: Fraction
+    """Of costs."""
+    spare: int
+    """What a plan's paths cost together beyond the cheapest ones at the maximum, in units."""
+    robots: tuple[Robot, ...]
+    tasks: dict[int, tuple[Task, ...]]
+
+
+def price(joint: Joint, proof: LatencyProof, worth: Fraction) -> Priced | None:
+    """As `pricing_bound`; ``None`` if that is all that can be proved."""
     tasks = _tasks(joint)
     better = worth - joint.step("latency")
     deadlines = _deadlines(joint, better)
     if deadlines is None:
-        return worth
+        return None
     steps = _time_steps(joint, proof)
     networks = [Network(joint, tasks, r, steps[r], deadlines) for r in steps]
     unit = _unit(joint, proof, networks)
     best = Fraction(0)
     for number, part in enumerate(proof.rounds):
         name = f"round {number}"
-        duals = _duals(joint, tasks, part, unit, name)
+        duals = task_duals(joint, tasks, part, unit, name)
         remembered = _remembered(joint, part, name)
         total = sum(dual.value for dual in duals.values())
-        found = []
+        robots = []
         for network in networks:
             states = network.states(remembered)
             cost = network.cost(duals)
             there = states.forward(cost)
-            cheapest = min(0, int(there.min()))
-            total += cheapest
-            found.append((network, states, cost, there, cheapest))
+            robots.append(Robot(network, states, cost, there, min(0, int(there.min()))))
+        total += sum(robot.cheapest for robot in robots)
         best = max(best, total * unit)
         if best > better:
-            return worth
+            return None
+        most = math.floor(better / unit)
+        spare = most - total
         if number + 1 < len(proof.rounds):
-            spare = math.floor(better / unit) - total
-            for network, states, cost, there, cheapest in found:
-                network.rule_out(states, cost, there, min(spare + cheapest, NEVER - 1))
-    return best
+            for robot in robots:
+                limit = min(spare + robot.cheapest, NEVER - 1)
+                robot.network.rule_out(robot.states, robot.cost, robot.there, limit)
+    return Priced(best, most, unit, spare, tuple(robots), tasks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +211,7 @@ def _unit(joint: Joint, proof: LatencyProof, networks: list[Network]) -> Fractio
     return 1 / power_of_two_below(2**_BITS / largest) if largest else Fraction(1)
 
 
-def _duals(
+def task_duals(
     joint: Joint,
     tasks: dict[int, tuple[Task, ...]],
     part: PricingRound,

@@ -11,7 +11,7 @@ import typer
 
 from .console import Json
 from .models import Folders, Options, Parameters, add_folders
-from .proofs import SUFFIX, check_proofs, require_suffix
+from .proofs import SUFFIX, check_proofs
 
 if TYPE_CHECKING:
     from ..certify.certificates import Recheck
@@ -57,7 +57,7 @@ def check(
         Path | None,
         typer.Option(
             help="Of one plan: the proof that `exact --proof` wrote, to the last branch.",
-            metavar="FILE.vipr",
+            metavar="FILE",
         ),
     ] = None,
     strict: Annotated[
@@ -94,7 +94,6 @@ def check(
     from .outputs import check_outputs
 
     add_folders(folders)
-    require_suffix(proof)
     if any(file.suffix == SUFFIX for file in files):
         if proof is not None:
             raise InputError("is for a plan; give proofs of programs as files", field="--proof")
@@ -201,11 +200,11 @@ def _plan(plan: Plan, missions: list[Instance], *, claims: bool) -> _Verdict:
 def _proof(plan: Plan, path: Path, verdict: _Verdict) -> None:
     """Whether the file proves the plan's optimality, or how far."""
     from ..certify.certificates import STAGE, TOLERANCE
-    from ..certify.joint_proof import check_joint_proof
+    from ..certify.plan_proof import check_plan_proof
     from ..mission.errors import CheckError
 
     try:
-        found = check_joint_proof(path, plan)
+        found = check_plan_proof(path, plan)
     except CheckError as error:
         verdict.wrong.append(str(error))
         return

@@ -38,9 +38,9 @@ def exact(
     proof: Annotated[
         Path | None,
         typer.Option(
-            help="Also prove that no plan is better, to the last branch, in this file: total time and "
-            "makespan.",
-            metavar="FILE.vipr",
+            help="Also prove that no plan is better, to the last branch, in this file: FILE.vipr, for "
+            "latency FILE.json.",
+            metavar="FILE",
         ),
     ] = None,
     seed: Seed = None,
@@ -51,22 +51,21 @@ def exact(
 
     The plan that --json writes carries its limits and what proves the root bound, so that
     `msmrta check --bound` can prove it again; what --proof writes proves all of the bound, and
-    `msmrta check PLAN --proof FILE.vipr` checks it.
+    `msmrta check PLAN --proof FILE` checks it.
     """
     import time
 
     from ..mission.instance import Instance
     from ..planners import plan as make_plan
-    from ..planners.support.plan_proof import prove_plan, require_provable
+    from ..planners.support.plan_proof import prove_plan, require_suffix
     from ..routing.callbacks import Callbacks, SearchState
     from ..routing.parameters import Parameters
     from .outputs import check_outputs, write_plan
-    from .proofs import require_suffix, say_proof
+    from .proofs import say_proof
     from .tables import show_plan
 
-    require_suffix(proof)
     if proof is not None:
-        require_provable(objective)
+        require_suffix(objective, proof)
     check_outputs(json, proof, figure=figure, inputs=[instance, parameters])
     tuned = None if parameters is None else Parameters.read(parameters)
     began = time.monotonic()

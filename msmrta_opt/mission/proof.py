@@ -35,7 +35,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AliasChoices, BaseModel, ConfigDict, Field, NonNegativeInt
+from pydantic import (
+    AliasChoices,
+    BaseModel,
+    ConfigDict,
+    Field,
+    NonNegativeInt,
+    model_validator,
+)
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -178,3 +185,44 @@ class LatencyProof(_Record):
     solver: str
     time_steps: tuple[TimeStep, ...] = _renamed("time_steps", "clocks")
     rounds: Annotated[tuple[PricingRound, ...], Field(min_length=1)]
+
+
+class Branch(_Record):
+    """One side of a branch of the tree of a latency's proof.
+
+    Of a robot: on the high side it serves the task, on the low one it does not. Of a time: on the low
+    side the task is done by then, on the high one later.
+    """
+
+    victim: NonNegativeInt
+    kinds: tuple[str, ...]
+    robot: NonNegativeInt | None = None
+    until: Time | None = None
+    high: bool
+
+    @model_validator(mode="after")
+    def _of_one(self) -> Branch:
+        if (self.robot is None) == (self.until is None):
+            raise ValueError("a branch is of a robot or of a time")
+        return self
+
+    @property
+    def what(self) -> tuple[object, ...]:
+        """What is branched on."""
+        return self.victim, tuple(sorted(self.kinds)), self.robot, self.until
+
+
+class LatencyLeaf(_Record):
+    """A leaf: the branches from the root to it, and the dual values that prove that nothing is there."""
+
+    branches: tuple[Branch, ...]
+    duals: PricingRound
+
+
+class LatencyTree(_Record):
+    """The whole proof of a latency: what precedes branching, and the leaves from low to high."""
+
+    format: Literal["msmrta-latency-proof/1"] = "msmrta-latency-proof/1"
+    root: LatencyProof | None
+    """``None`` where what follows from the requirements alone is enough."""
+    leaves: tuple[LatencyLeaf, ...] = ()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..certify import vipr
-from ..certify.joint_proof import check_joint_proof
+from ..certify.plan_proof import check_plan_proof
 from ..mission.errors import CheckError, InputError
 from ..mission.plan import Plan
 from ..optimise.program import Program
@@ -43,7 +43,7 @@ def check_proof(path: str | Path, what: Any = None, data: Any = None, **paramete
         what differs.
     """
     if isinstance(what, Plan):
-        return check_joint_proof(path, what).summary
+        return check_plan_proof(path, what).summary
     try:
         found = vipr.verify(str(path))
     except vipr.RefusedError as refusal:

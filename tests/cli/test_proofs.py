@@ -154,9 +154,12 @@ def test_the_exact_planner_proves_its_plan_and_check_checks_it(
     [
         (
             ["exact", "two_rooms", "--objective", "latency", "--proof", "p.vipr"],
-            "to the last branch",
+            "of a latency the suffix is .json",
         ),
-        (["exact", "two_rooms", "--proof", "p.txt"], "--proof: 'p.txt'; the suffix is .vipr"),
+        (
+            ["exact", "two_rooms", "--proof", "p.txt"],
+            "'p.txt'; of a total time the suffix is .vipr",
+        ),
         (["check", "two_rooms", "--proof", "p.vipr"], "give one plan with it"),
         (["check", "q.vipr", "--proof", "p.vipr"], "is for a plan"),
     ],

@@ -17,7 +17,7 @@ from support.joint_oracle import least
 
 from msmrta_opt.certify.joint_proof import check_joint_proof
 from msmrta_opt.certify.vipr import verify
-from msmrta_opt.mission.errors import CheckError, InputError
+from msmrta_opt.mission.errors import CheckError
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
@@ -134,11 +134,6 @@ def test_a_proof_that_is_stopped_says_how_far_it_got(tmp_path: Path) -> None:
     assert prove_plan(branched(), path=path, time_limit=0).remark == "time limit"
 
 
-def test_latency_has_no_such_proof(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no proof to the last branch"):
-        prove_plan(branched(), path=tmp_path / "proof.vipr", objective="latency")
-
-
 # What is tampered with.
 
 
@@ -206,7 +201,7 @@ def test_a_cut_of_another_set_or_victim_is_refused(lines: list[str], tmp_path: P
     is_one = re.compile(rf"{kind}:\d+:\d+:\d")
     found = [i for i, line in enumerate(lines) if is_one.match(line)]
     assert found
-    for at in found[:4]:
+    for at in found[:2]:
         name, rest = lines[at].split(" ", 1)
         _, robot, victim, members = name.split(":")
         inside = members.split(",")
@@ -252,7 +247,7 @@ def test_of_another_mission_no_proof_is_accepted_unless_it_is_true_of_it_too(
 
 
 @pytest.mark.parametrize(
-    "seeds", sample([range(60), range(60, 2000)], 1), ids=["some", "two thousand"]
+    "seeds", sample([range(40), range(40, 2000)], 1), ids=["some", "two thousand"]
 )
 def test_whatever_is_changed_what_is_still_accepted_is_true(
     seeds: range, lines: list[str], tmp_path: Path

@@ -7,40 +7,33 @@ import time
 from pathlib import Path
 
 from ...certify.certificates import STAGE
-from ...certify.joint_proof import check_joint_proof
+from ...certify.plan_proof import TREE, check_plan_proof
 from ...mission.errors import InputError
-from ...mission.plan import Plan, Route
+from ...mission.files import write_text
+from ...mission.plan import Certificate, Plan, Route
+from ...mission.proof import LatencyTree
 from ...proofs.prove import Proof
 from ...proofs.tree import Limits
-from ...routing.objectives import DEFAULT, OBJECTIVES, Method, Objective, objective_of
+from ...routing.objectives import DEFAULT, Objective, objective_of
 from ...routing.problem import faults
-from ...routing.proofs.prover import prove_routes
+from ...routing.proofs.latency import Grown, prove_latency
+from ...routing.proofs.prover import Found, prove_routes
 from .explicit_model import problem_of
 from .improvement import routes_of
 
-METHOD: Method = "branch and cut"
-"""Whose objectives can be proved to the last branch."""
+VIPR = ".vipr"
 TIME_LIMIT = 600.0
 """Seconds."""
 SIZE_LIMIT = 50e6
 """Bytes."""
 
 
-def require_provable(objective: str) -> Objective:
-    """The objective of that name.
-
-    Raises
-    ------
-    InputError
-        If there is none, or its optima cannot be proved to the last branch.
-    """
+def require_suffix(objective: str, path: str | Path) -> None:
+    """Refuse a file of another suffix than the proofs of an objective have."""
     aim = objective_of(objective)
-    if aim.method != METHOD:
-        names = " or ".join(name for name, one in OBJECTIVES.items() if one.method == METHOD)
-        raise InputError(
-            f"{aim.name!r} has no proof to the last branch; give {names}", field="objective"
-        )
-    return aim
+    suffix = VIPR if aim.method == "branch and cut" else TREE
+    if Path(path).suffix != suffix:
+        raise InputError(f"{str(path)!r}; of a {aim.title} the suffix is {suffix}", field="proof")
 
 
 def prove_plan(
@@ -51,16 +44,16 @@ def prove_plan(
     time_limit: float | None = TIME_LIMIT,
     size_limit: float | None = SIZE_LIMIT,
 ) -> Proof:
-    """Prove that no plan of the mission is better than `plan`, in a VIPR 1.0 certificate.
+    """Prove that no plan of the mission is better than `plan`, in a file that anybody can check.
 
     Parameters
     ----------
     plan : Plan
         One that passes its check, best one of the planner ``exact``. Its limits hold.
     path : path
-        Where the certificate goes.
+        Where the proof goes: a VIPR 1.0 certificate (``.vipr``), or of a latency a tree (``.json``).
     objective : str, optional
-        ``total_time`` or ``makespan``; by default that of the plan's certificate.
+        By default that of the plan's certificate.
     time_limit : float, optional
         Seconds. If they do not suffice, the root relaxation's bound is written.
     size_limit : float, optional
@@ -75,45 +68,64 @@ def prove_plan(
     """
     began = time.perf_counter()
     claimed = next((c for c in plan.certificates if c.stage == STAGE), None)
-    aim = require_provable(objective or (claimed.model if claimed else DEFAULT))
+    aim = objective_of(objective or (claimed.model if claimed else DEFAULT))
+    require_suffix(aim.name, path)
+    limits = Limits(
+        math.inf if time_limit is None else began + time_limit,
+        math.inf if size_limit is None else size_limit,
+    )
+    if aim.method == "branch and cut":
+        found = _certificate(plan, aim, Path(path), limits)
+    else:
+        found = _tree(plan, claimed, Path(path), limits)
+    written = time.perf_counter()
+    checked = check_plan_proof(path, plan)
+    value = float(checked.value)
+    contradiction = ""
+    if found.better is not None and claimed is not None and claimed.status == "optimal":
+        better = f"{float(found.better):.9g}"
+        contradiction = f"it claims that {value:.9g} is optimal, and there are routes of {better}"
+    return Proof(
+        status="proved" if checked.whole else "partial",
+        sense="min",
+        value=value,
+        bound=float(checked.bound),
+        exact_value=checked.value,
+        exact_bound=checked.bound,
+        claimed_by=f"{claimed.solver} {claimed.version}" if claimed else plan.planner,
+        claimed_status=claimed.status if claimed else "feasible",
+        claimed_value=value,
+        contradiction=contradiction,
+        remark="" if checked.whole else found.remark,
+        nodes=found.nodes,
+        leaves=found.leaves,
+        derivations=found.derivations,
+        size=Path(path).stat().st_size,
+        seconds=written - began,
+        check_seconds=time.perf_counter() - written,
+        path=str(path),
+    )
+
+
+def _certificate(plan: Plan, aim: Objective, path: Path, limits: Limits) -> Found:
+    """A VIPR certificate of a total time or a makespan."""
     data = problem_of(plan)
     given = {route.robot: route for route in plan.routes}
     every = tuple(given.get(robot.id, Route(robot=robot.id)) for robot in plan.known.robots)
     routes = routes_of(plan.model_copy(update={"routes": every}))
     if wrong := faults(data, routes):
         raise InputError(f"the plan does not hold: {wrong[0]}", field="plan")
-    limits = Limits(
-        math.inf if time_limit is None else began + time_limit,
-        math.inf if size_limit is None else size_limit,
-    )
     name = plan.instance.name or "a mission"
-    found = prove_routes(
-        data, aim, routes, plan.known, path, limits=limits,
-        comments=(f"{aim.name} of a plan for {name}",),
-    )  # fmt: skip
-    written = time.perf_counter()
-    checked = check_joint_proof(path, plan)
-    proved = checked.whole
-    return Proof(
-        status="proved" if proved else "partial",
-        sense="min",
-        value=float(checked.value),
-        bound=float(checked.bound),
-        exact_value=checked.value,
-        exact_bound=checked.bound,
-        claimed_by=f"{claimed.solver} {claimed.version}" if claimed else plan.planner,
-        claimed_status=claimed.status if claimed else "feasible",
-        claimed_value=float(checked.value),
-        contradiction=""
-        if found.better is None or claimed is None or claimed.status != "optimal"
-        else f"it claims that {float(checked.value):.9g} is optimal, and there are routes of "
-        f"{float(found.better):.9g}",
-        remark="" if proved else found.remark,
-        nodes=found.nodes,
-        leaves=found.leaves,
-        derivations=found.derivations,
-        size=found.size,
-        seconds=written - began,
-        check_seconds=time.perf_counter() - written,
-        path=str(path),
-    )
+    comments = (f"{aim.name} of a plan for {name}",)
+    return prove_routes(data, aim, routes, plan.known, path, limits=limits, comments=comments)
+
+
+def _tree(plan: Plan, claimed: Certificate | None, path: Path, limits: Limits) -> Found:
+    """The tree of a latency, from where its certificate's dual values end."""
+    root = None if claimed is None else claimed.pricing
+    found = Grown((), 0, "the certificate holds no dual values" if root is None else "")
+    if root is not None:
+        found = prove_latency(plan, root, limits)
+    proof = LatencyTree(root=root, leaves=found.leaves)
+    write_text(path, proof.model_dump_json(exclude_defaults=True) + "\n")
+    return Found(found.remark, None, found.nodes, len(found.leaves), 0)

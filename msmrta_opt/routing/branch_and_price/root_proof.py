@@ -65,7 +65,7 @@ class LatencyEvidence:
                     "victim": victims[v],
                     "kinds": [instance.capabilities[k] for k in kinds],
                     "dual": float(f"{duals.value[g]:.{_DIGITS}g}"),
-                    "densities": [_down(mu, float(priority[v])) for mu in duals.density[g]],
+                    "densities": [rounded_down(mu, float(priority[v])) for mu in duals.density[g]],
                 }
                 for g, (v, kinds) in enumerate(zip(tasks.victim, tasks.kinds, strict=True))
             ],
@@ -87,6 +87,7 @@ class LatencyEvidence:
         }
 
 
-def _down(density: float, priority: float) -> float:
+def rounded_down(density: float, priority: float) -> float:
+    """A density in parts of the priority, so that those of a victim never add up to more."""
     share = density / priority if priority else 0.0
     return priority if share >= 1.0 else max(math.floor(share * _PARTS) - 1, 0) * priority / _PARTS

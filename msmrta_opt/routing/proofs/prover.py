@@ -32,21 +32,15 @@ from .statement import Statement
 
 @dataclass(frozen=True)
 class Found:
-    """What was written to the file, in time units."""
+    """What came of a search for a proof."""
 
-    value: Fraction
-    """Of the routes."""
-    bound: Fraction
-    """Nothing is worth less."""
     remark: str
-    """Why the bound is not the value; empty if it is."""
+    """Why not all is proved; empty if it is."""
     better: Fraction | None
     """The value of better routes, if there are any that were found: the claim is false then."""
     nodes: int
     leaves: int
     derivations: int
-    size: int
-    """Bytes."""
 
 
 class _BetterError(Exception):
@@ -220,14 +214,11 @@ class _Prover:
 
         write_with(path, put)
         return Found(
-            value=self._time(self.value),
-            bound=self._time(reduction.goal),
             remark=remark,
             better=None if self.better is None else self._time(statement.value(self.better)),
             nodes=self.nodes,
             leaves=sum(1 for _ in leaves(root)),
             derivations=n_derivations[0],
-            size=Path(path).stat().st_size,
         )
 
     def _time(self, value: int) -> Fraction:
