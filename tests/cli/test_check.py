@@ -264,6 +264,34 @@ def test_every_certificate_on_the_joint_problem_is_checked(
     )
 
 
+@pytest.mark.parametrize(
+    ("order", "changes"),
+    [
+        ("wrong last", {"objective": 1e6, "bound": 1e6}),
+        ("wrong first", {"objective": 1e6, "bound": 1e6}),
+        ("wrong last", {"bound": 10.0}),
+        ("wrong in the middle", {"objective": 8.0}),
+        ("wrong in the middle", {"bound": 9.5, "proof": "branch and cut"}),
+    ],
+)
+def test_one_wrong_certificate_among_right_ones_is_enough(
+    order: str, changes: Document, msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
+) -> None:
+    (right,) = document["certificates"]
+    wrong = right | changes
+    orders = {
+        "wrong first": [wrong, right],
+        "wrong last": [right, wrong],
+        "wrong in the middle": [right, wrong, right],
+    }
+    document["certificates"] = orders[order]
+    assert msmrta("check", written(document, tmp_path), "--bound") == 1
+    told = capsys.readouterr()
+    number = orders[order].index(wrong)
+    assert all(f": certificate {number}: " in line for line in told.err.splitlines())
+    assert told.out.count("all of it is proved again") == len(orders[order]) - 1
+
+
 def test_a_plan_that_does_not_hold_has_no_bound_to_speak_of(
     msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
 ) -> None:
