@@ -351,23 +351,35 @@ strtod = ctypes.CDLL(None).strtod
 strtod.restype = ctypes.c_double
 assert strtod(b"2,5", None) == 2.5  # as readers written in C read it
 from msmrta_opt.optimise.export import read_program, write_program
-written, again = sys.argv[1:]
-write_program(read_program(written), again)
-print(read_program(again).offset, read_program(again).cost.tolist())
+for written, again in zip(sys.argv[1::2], sys.argv[2::2]):
+    write_program(read_program(written), again)
+    print(read_program(again).offset, read_program(again).cost.tolist())
 """
-    trial = program([[1 / 3, 0.123456789012346]], 1e-3, [1 / 3, -2.5], upper=0.5, offset=1e-7)
-    paths = [tmp_path / f"before{suffix}", tmp_path / f"after{suffix}"]
-    write_program(trial, paths[0], name="t")
+    trials = [
+        program([[1 / 3, 0.123456789012346]], 1e-3, [1 / 3, -2.5], upper=0.5, offset=1e-7),
+        program([[0.333]], 0.5, [0.25], upper=1.5, integer=False),  # decimals below 1 everywhere
+        program([[1.5, 2.5]], 4.5, [0.5, 1.5], upper=2.5, integer=False, offset=-2.5),
+        program([[0.1, 1e-5]], 7.25, [1e-9, 1e9], row_lower=0.75, lower=-0.5, integer=False),
+    ]
+    pairs = [(tmp_path / f"{n}{suffix}", tmp_path / f"{n}b{suffix}") for n in range(len(trials))]
+    for trial, (before, _) in zip(trials, pairs, strict=True):
+        write_program(trial, before, name="t")
     said = subprocess.run(
-        [sys.executable, "-c", code, *map(str, paths)],
+        [sys.executable, "-c", code, *(str(path) for pair in pairs for path in pair)],
         env={"PYTHONPATH": ":".join(sys.path), **decimal_comma},
         check=True,
         capture_output=True,
         text=True,
     )
-    assert said.stdout == "1e-07 [0.3333333333333333, -2.5]\n"
-    assert paths[1].read_text().splitlines()[1:] == paths[0].read_text().splitlines()[1:]
-    assert_same(read_program(paths[1]), trial)
+    assert said.stdout.splitlines() == [
+        "1e-07 [0.3333333333333333, -2.5]",
+        "0.0 [0.25]",
+        "-2.5 [0.5, 1.5]",
+        "0.0 [1e-09, 1000000000.0]",
+    ]
+    for trial, (before, after) in zip(trials, pairs, strict=True):
+        assert after.read_text().splitlines()[1:] == before.read_text().splitlines()[1:]
+        assert_same(read_program(after), trial)
 
 
 def test_a_file_that_is_not_there_is_an_error_of_the_users(tmp_path: Path) -> None:

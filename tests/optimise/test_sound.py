@@ -220,13 +220,14 @@ def test_a_dual_value_is_what_a_unit_more_of_the_side_is_worth(solver: str) -> N
         assert solve_program(trial, solver=solver).duals["row {i}"].tolist() == [worth]
 
 
+@pytest.mark.parametrize("kind", [{"integer": True}, {"integer": True, "nonneg": True}])
 @pytest.mark.parametrize("value", [0.5, 1.25, 2.999])
-def test_a_whole_number_parameter_takes_no_fraction(value: float) -> None:
+def test_a_whole_number_parameter_takes_no_fraction(value: float, kind: dict[str, bool]) -> None:
     import cvxpy as cp
     from support.programs import formulation
 
     def build(_: Any) -> cp.Problem:
-        k, x = cp.Parameter(integer=True, name="k"), cp.Variable(3, boolean=True, name="x")
+        k, x = cp.Parameter(**kind, name="k"), cp.Variable(3, boolean=True, name="x")
         return cp.Problem(cp.Maximize(cp.sum(x)), [cp.sum(x) <= k])
 
     compiled = compile_formulation(formulation(build, k=Parameter(0, 3, 1, "how many")), None)

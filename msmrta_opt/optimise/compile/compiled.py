@@ -86,6 +86,10 @@ class Compiled:
         for name, parameter in self._parameters.items():
             if parameter.value == values[name]:
                 continue
+            # Beside another attribute cvxpy does not look at this one.
+            is_whole = parameter.attributes["integer"] or parameter.attributes["boolean"]
+            if is_whole and not values[name].is_integer():
+                raise InputError(f"{values[name]:g}; give a value that is integer", field=name)
             try:
                 parameter.value = values[name]
             except ValueError as error:  # it is declared as a whole number, or with a sign
