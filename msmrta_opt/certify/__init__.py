@@ -10,6 +10,6 @@ Nothing of the planners is imported, no solver and no scipy. To read, in this or
   `pricing_bound` with `ng_routes`, what they prove about latency,
   `scheduling_bound` with `assignment`, a bound on latency that needs none;
 - `vipr` checks proofs of integer programs, from files that anybody may have written; `plan_proof` those
-  of plans: `joint_proof`, that such a program is implied by the mission, and `latency_proof`, a tree over
-  `route_lists`. What they come to is a `verdict`.
+  of plans: `joint_proof`, that such a program is implied by the mission, and `latency_proof`, a tree
+  over `route_lists`. What they come to is a `verdict`.
 """
