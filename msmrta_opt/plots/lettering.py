@@ -8,6 +8,7 @@ from typing import ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
 from matplotlib.artist import Artist
+from matplotlib.axis import Axis
 from matplotlib.font_manager import FontProperties, findfont, fontManager, get_font
 from matplotlib.text import Text
 from matplotlib.textpath import text_to_path
@@ -87,7 +88,15 @@ _plain: WeakKeyDictionary[Text, str] = WeakKeyDictionary()
 
 
 def _texts(artist: Artist) -> list[Text]:
-    return [found for found in artist.findobj(Text) if isinstance(found, Text)]
+    """The texts of an artist, without the labels of ticks: those take theirs anew when drawn.
+
+    To ask for the ticks would make them all, which takes longer than to draw the rest.
+    """
+    if isinstance(artist, Text):
+        return [artist]
+    if isinstance(artist, Axis):
+        return [artist.label, artist.offsetText]
+    return [text for child in artist.get_children() for text in _texts(child)]
 
 
 def plain(name: str) -> str:
