@@ -20,9 +20,16 @@ LEGEND_FONT = 8.0
 
 
 def legend_below(
-    ax: Axes, handles: Sequence[Artist | Container] | None = None, *, title: str = ""
+    ax: Axes,
+    handles: Sequence[Artist | Container] | None = None,
+    *,
+    title: str = "",
+    clear: float = 0.0,
 ) -> None:
-    """A legend under the axes and its x label, in as many columns as fit; by default of all labels."""
+    """A legend under the axes and its x label, in as many columns as fit; by default of all labels.
+
+    It stays clear of `clear` points more, where names along the axis are turned.
+    """
     handles = ax.get_legend_handles_labels()[0] if handles is None else handles
     if not handles:
         return
@@ -33,7 +40,8 @@ def legend_below(
         handles=list(handles),
         loc="upper center",
         bbox_to_anchor=(0.5, 0),
-        borderaxespad=4.6,  # in font sizes: clears tick labels and the axis label
+        # In font sizes: clears tick labels and the axis label.
+        borderaxespad=4.6 + clear / LEGEND_FONT,
         ncols=columns,
         title=title or None,
         title_fontsize=LEGEND_FONT,

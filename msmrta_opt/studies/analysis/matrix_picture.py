@@ -15,7 +15,7 @@ from ...optimise.program import Block, Program
 from ...optimise.structure import Structure, recognise
 from ...plots.figure import own_axes
 from ...plots.legends import legend_below
-from ...plots.lettering import as_written, plain, shortened
+from ...plots.lettering import as_written, plain, shortened, width_of
 from ...plots.style import FAINT, INK, PALETTE, readable_on
 
 NAMED = 40
@@ -88,7 +88,9 @@ def plot_matrix(program: Program, ax: Axes | None = None) -> Axes:
     handles = [Patch(fc=c, label=name) for i, (name, c) in enumerate(names) if i in present]
     if len(names) in present:
         handles.append(Patch(fc=OUTSIDE, label="bounds and fixed columns, left out of the proof"))
-    legend_below(ax, handles)
+    columns = [program.column_name(i) for i in range(m)] if m <= NAMED else []
+    turned = max((width_of(shortened(name), 7) for name in columns), default=0.0)
+    legend_below(ax, handles, clear=max(turned - 12, 0.0))
     return ax
 
 

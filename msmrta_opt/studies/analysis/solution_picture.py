@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
@@ -14,12 +16,14 @@ from ...optimise.program import Block, Program
 from ...optimise.solution import Solution
 from ...plots.figure import own_axes
 from ...plots.legends import legend_below
-from ...plots.lettering import as_written, plain, shortened
+from ...plots.lettering import as_written, plain, shortened, width_of
 from ...plots.style import FAINT, INK, SERIES, readable_on
 
 VALUED = 24
 """Up to so many things along a side, each cell tells its value."""
 COLOURS = colormaps["cividis"]
+MOST_NAMED = 40
+"""Names along a side."""
 IMPOSSIBLE = "#EEEEEE"
 
 
@@ -92,7 +96,8 @@ def plot_solution(program: Program, solution: Solution, ax: Axes | None = None) 
         handles.append(Patch(fc=IMPOSSIBLE, label="× impossible"))
     said = dict.fromkeys(label for side in duals for label, _ in side)
     handles += [Patch(fc="none", ec="none", label=f"dual: {shortened(name, 44)}") for name in said]
-    legend_below(ax, handles)
+    turned = max(width_of(str(name), 7.5) for name in columns) if _turned(columns) else 0.0
+    legend_below(ax, handles, clear=max(turned - 12, 0.0))
     return ax
 
 
@@ -159,12 +164,23 @@ def margins(program: Program, solution: Solution, block: Block) -> tuple[Margin,
     return found
 
 
+def _every(n: int) -> range:
+    """Which of `n` places are named: all, or of many one in so many."""
+    return range(0, n, -(-n // MOST_NAMED))
+
+
+def _turned(names: Sequence[object]) -> bool:
+    """Whether names along x are turned to fit."""
+    return len(names) > VALUED // 2 or max(len(str(name)) for name in names) > 4
+
+
 def _name(ax: Axes, block: Block, duals: tuple[Margin, Margin]) -> None:
     """Ids and nouns at the near sides, the margins of dual values at the far ones."""
     (rows, columns), (row_noun, column_noun) = block.ids, block.nouns
-    ax.set_yticks(range(len(rows)), [plain(str(x)) for x in rows], fontsize=7.5)
-    ax.set_xticks(range(len(columns)), [plain(str(x)) for x in columns], fontsize=7.5)
-    if len(columns) > VALUED or max(len(str(x)) for x in columns) > 4:
+    every = [_every(len(ids)) for ids in (rows, columns)]
+    ax.set_yticks(every[0], [plain(str(rows[i])) for i in every[0]], fontsize=7.5)
+    ax.set_xticks(every[1], [plain(str(columns[i])) for i in every[1]], fontsize=7.5)
+    if _turned(columns):
         ax.tick_params(axis="x", rotation=90)
     ax.set_ylabel(row_noun, fontsize=8)
     ax.set_xlabel(column_noun, fontsize=8)
@@ -172,11 +188,13 @@ def _name(ax: Axes, block: Block, duals: tuple[Margin, Margin]) -> None:
     for side, found in enumerate(duals):
         if not found:
             continue
-        n = block.shape[side]
-        texts = ["\n".join(f"{dual[i] + 0.0:.4g}" for _, dual in found) for i in range(n)]
+        places = every[side]
+        texts = [
+            "\n".join(f"{round(float(dual[i]), 9) + 0.0:.4g}" for _, dual in found) for i in places
+        ]
         far = ax.secondary_yaxis("right") if side == 0 else ax.secondary_xaxis("top")
         (far.set_yticks if side == 0 else far.set_xticks)(
-            range(n), texts, fontsize=7, color=SERIES[1]
+            places, texts, fontsize=7, color=SERIES[1]
         )
-        far.tick_params(length=2, rotation=90 if side and n > VALUED else 0)
+        far.tick_params(length=2, rotation=90 if side and len(columns) > VALUED // 2 else 0)
         (far.set_ylabel if side == 0 else far.set_xlabel)("dual", fontsize=7.5, color=SERIES[1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from support.legible import illegible
 import msmrta_opt as mo
 from msmrta_opt.cli import run
 from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.plots.style import PALETTE
 from msmrta_opt.studies.analysis.matrix_picture import plot_matrix
@@ -125,16 +127,24 @@ def test_what_is_no_assignment_is_refused() -> None:
         plot_solution(empty, mo.solve("clustering_pmedian", data))
 
 
-@pytest.mark.parametrize("which", ["matrix", "solution"])
-def test_everything_written_can_be_read(which: str) -> None:
-    given = mo.program(CLUSTERS, mo.stage_data(mo.example("paper"), "cluster"))
-    if which == "matrix":
-        figure = plot_matrix(given).figure
-    else:
-        solution = mo.solve(CLUSTERS, mo.stage_data(mo.example("paper"), "cluster"))
-        figure = plot_solution(given, solution).figure
-    figure.savefig("/dev/null", format="png")
-    assert illegible(figure) == []
+def many() -> mo.Instance:
+    return generate_mission(mo.example("paper").map, 45, 60, seed=1)
+
+
+def long_ids() -> mo.Instance:
+    document = mo.example("paper").model_dump(mode="json")
+    for robot in document["robots"]:
+        robot["id"] += 123_456_789
+    return mo.Instance.from_document(document)
+
+
+@pytest.mark.parametrize("mission", [long_ids, many])
+def test_everything_written_can_be_read(mission: Callable[[], mo.Instance]) -> None:
+    data = mo.stage_data(mission(), "cluster")
+    given, solution = mo.program(CLUSTERS, data), mo.solve(CLUSTERS, data)
+    for figure in (plot_matrix(given).figure, plot_solution(given, solution).figure):
+        figure.savefig("/dev/null", format="png")
+        assert illegible(figure) == []
 
 
 def test_a_matrix_without_an_instance_is_refused(
