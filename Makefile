@@ -37,6 +37,7 @@ figure: demo
 
 schema: $(VENV)/.installed
 	$(BIN)/msmrta schema > msmrta_opt/mission/instance.schema.json
+	$(BIN)/msmrta schema scenario > msmrta_opt/mission/scenario.schema.json
 
 # The notebooks with their outputs.
 notebooks: $(VENV)/.installed

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from .diagnosis.difference import diff as diff
     from .diagnosis.explain import Explanation as Explanation
     from .diagnosis.explain import explain as explain
+    from .execution.execute import execute as execute
+    from .execution.policies import policies as policies
     from .mission.coarsening import coarsen as coarsen
     from .mission.convergence import Convergence as Convergence
     from .mission.draft import draft_mission as draft_mission
@@ -54,6 +56,8 @@ if TYPE_CHECKING:
     from .mission.occupancy import Occupancy as Occupancy
     from .mission.plan import Plan as Plan
     from .mission.plan_difference import PlanDifference as PlanDifference
+    from .mission.run import Run as Run
+    from .mission.scenario import Scenario as Scenario
     from .optimise.compile.compiled import program as program
     from .optimise.compile.compiled import structure as structure
     from .optimise.data import ClusterData as ClusterData

@@ -28,9 +28,10 @@ MAY_USE = {
     "routing": {"proofs", "certify", "optimise", "mission"},
     "stages": {"routing", "optimise", "mission"},
     "planners": {"proofs", "certify", "stages", "routing", "optimise", "mission"},
+    "execution": {"certify", "planners", "stages", "routing", "optimise", "mission"},
     "studies": {
-        *("diagnosis", "proofs", "certify", "plots", "planners", "stages", "routing", "optimise"),
-        "mission",
+        *("diagnosis", "proofs", "certify", "plots", "execution", "planners", "stages", "routing"),
+        *("optimise", "mission"),
     },
     "cli": {
         *(
@@ -39,6 +40,7 @@ MAY_USE = {
             "proofs",
             "certify",
             "plots",
+            "execution",
             "planners",
             "stages",
             "routing",
@@ -143,7 +145,16 @@ def test_no_folder_holds_more_than_a_fifth_of_the_code() -> None:
 @pytest.mark.parametrize(
     "module",
     [
-        *("mission", "diagnosis", "planners", "planners/support", "stages", "plots"),
+        *(
+            "mission",
+            "diagnosis",
+            "execution",
+            "execution/policies",
+            "planners",
+            "planners/support",
+            "stages",
+            "plots",
+        ),
         "plots/replay",
         *("studies", "studies/analysis", "studies/report"),
     ],

@@ -39,6 +39,7 @@ from . import (
     programs,
     proofs,
     replay,
+    runs,
     study,
     tradeoff,
     watch,
@@ -58,6 +59,7 @@ app = typer.Typer(
 for group in (
     missions, instances, generate, maps, exact, convergence, plans, plan_differences, plan_export,
     replay, models, workload, programs, diagnosis, watch, proofs, compare, tradeoff, study,
+    runs,
 ):  # fmt: skip
     group.register(app)
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..certify.certificates import Recheck
     from ..mission.instance import Instance
     from ..mission.plan import Plan
+    from ..mission.run import Run
     from ..optimise.solution import Solution
 
 ROOT_SECONDS = 600.0
@@ -40,7 +41,7 @@ def check(
     files: Annotated[
         list[Path],
         typer.Argument(
-            help="Instance and plan files; or proofs (FILE.vipr); or a proof, a formulation and an "
+            help="Instance, plan and run files; or proofs (FILE.vipr); or a proof, a formulation and an "
             "instance, of whose program it must be.",
             metavar="FILE…",
         ),
@@ -80,7 +81,7 @@ def check(
     json: Json = None,
     folders: Folders = None,
 ) -> None:
-    """Check instances and plans; plans by a checker that shares no code with the planners.
+    """Check instances, plans and runs; by checkers that share no code with what made them.
 
     A plan beside an instance must be for it, and every objective that a certificate claims is worked out
     again; all that is wrong is told. Of an instance, requirements that no robot can serve are a warning.
@@ -90,6 +91,7 @@ def check(
     """
     from ..mission.errors import InputError
     from ..mission.instance import Instance
+    from ..mission.plan import Plan
     from .console import write_json
     from .outputs import check_outputs
 
@@ -123,6 +125,12 @@ def check(
             _tell(file, verdict)
             records.append(_record(file, "instance", verdict))
             continue
+        if not isinstance(item, Plan):
+            verdict = _run(item, missions)
+            _tell(file, verdict)
+            records.append(_record(file, "run", verdict))
+            wrong |= bool(verdict.wrong)
+            continue
         verdict = _plan(item, missions, claims=not bound)
         if bound and not verdict.wrong:
             try:
@@ -142,14 +150,18 @@ def check(
         raise typer.Exit(WRONG if wrong else ONLY_CLAIMED)
 
 
-def _read(file: Path) -> Instance | Plan:
+def _read(file: Path) -> Instance | Plan | Run:
     from ..mission.instance import Instance
     from ..mission.plan import Plan
+    from ..mission.run import Run
     from ..mission.shipped import find_instance
     from .outputs import document_format
 
     path = find_instance(file)
-    return (Plan if document_format(path).startswith("msmrta-plan") else Instance).read(path)
+    written = document_format(path)
+    if written.startswith("msmrta-run"):
+        return Run.read(path)
+    return (Plan if written.startswith("msmrta-plan") else Instance).read(path)
 
 
 def _tell(file: Path, verdict: _Verdict) -> None:
@@ -216,6 +228,20 @@ def _proof(plan: Plan, path: Path, verdict: _Verdict) -> None:
                 verdict.only_claimed.append(
                     f"the certificate claims {claimed:.9g} by {certificate.proof}: it is not proved"
                 )
+
+
+def _run(run: Run, missions: list[Instance]) -> _Verdict:
+    """Whether a run holds, and was for one of `missions`, if there are any."""
+    from ..certify.run import problems
+    from ..certify.same_mission import differences
+
+    verdict = _Verdict(problems(run))
+    if missions:
+        closest = min((differences(run.plan, mission) for mission in missions), key=len)
+        verdict.wrong += [f"the plan is for another mission: {line}" for line in closest]
+    if not verdict.wrong:
+        verdict.said.append(f"the run holds ({run.metrics.n_served} requirements served)")
+    return verdict
 
 
 def _changed(plan: Plan) -> list[str]:

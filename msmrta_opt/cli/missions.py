@@ -165,10 +165,16 @@ def scout(
         say(f"Not found: {', '.join(map(str, report.not_found))}.")
 
 
-def schema() -> None:
-    """Print the JSON Schema of instance files."""
+def schema(
+    of: Annotated[str, typer.Argument(help="instance or scenario.")] = "instance",
+) -> None:
+    """Print the JSON Schema of instance files, or of scenario files."""
     import json
 
-    from ..mission.instance import json_schema
+    from ..mission import instance, scenario
+    from ..mission.errors import InputError
 
-    print(json.dumps(json_schema(), indent=1))
+    schemas = {"instance": instance.json_schema, "scenario": scenario.json_schema}
+    if of not in schemas:
+        raise InputError(f"{of!r}; give one of {', '.join(schemas)}", field="OF")
+    print(json.dumps(schemas[of](), indent=1))

@@ -67,8 +67,8 @@ class Metric(Generic[Value]):
     @overload
     def __get__(self, instance: None, owner: Any) -> Metric[Value]: ...
     @overload
-    def __get__(self, instance: Metrics, owner: Any) -> Value: ...
-    def __get__(self, instance: Metrics | None, owner: Any) -> Metric[Value] | Value:
+    def __get__(self, instance: object, owner: Any) -> Value: ...
+    def __get__(self, instance: object | None, owner: Any) -> Metric[Value] | Value:
         return self if instance is None else self.of(instance)
 
     @property
@@ -80,7 +80,7 @@ class Metric(Generic[Value]):
         """A value, or an array of them, in the unit that is shown."""
         return 100 * value if self.unit == PERCENT else value
 
-    def text(self, metrics: Metrics) -> str:
+    def text(self, metrics: Any) -> str:
         """What the table of one plan says."""
         if self._detail is not None:
             return self._detail(metrics)

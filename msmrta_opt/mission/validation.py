@@ -10,7 +10,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from .errors import InputError, MistakesError, all_of, at, shown
-from .files import parse_json, read_text
+from .files import parse_json, read_text, read_toml
 from .suggestions import meant
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -53,8 +53,10 @@ def read_model(
     path: str | Path,
     context: Any = None,
     prepare: Callable[[Any, Any], Any] | None = None,
+    *,
+    toml: bool = False,
 ) -> Model:
-    """The `model` in a JSON file.
+    """The `model` in a JSON file, or in a TOML file.
 
     Parameters
     ----------
@@ -66,6 +68,8 @@ def read_model(
         Handed to the validators.
     prepare : callable, optional
         Given the document and the context, returns the document to validate in its place.
+    toml : bool
+        Whether the file is a TOML file.
 
     Raises
     ------
@@ -74,6 +78,8 @@ def read_model(
         several mistakes.
     """
     try:
+        if toml:  # dates, which JSON has not, are texts to all that follows
+            return model.model_validate_json(json.dumps(read_toml(path), default=str), strict=True)
         text = read_text(path)
         document = parse_json(text)
         if prepare is not None and (prepared := prepare(document, context)) is not document:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
+from msmrta_opt.mission import scenario
 from msmrta_opt.mission.instance import Instance, json_schema
 
 BROKEN = Path(__file__).parents[1] / "broken"
@@ -61,6 +62,13 @@ def load(path: Path) -> Any:
 
 def test_the_published_schema_is_that_of_the_program(published: str) -> None:
     assert published == json.dumps(json_schema(), indent=1) + "\n"
+
+
+def test_the_published_schema_of_scenarios_is_that_of_the_program() -> None:
+    resource = files("msmrta_opt.mission") / "scenario.schema.json"
+    schema = scenario.json_schema()
+    assert resource.read_text(encoding="utf-8") == json.dumps(schema, indent=1) + "\n"
+    Draft202012Validator.check_schema(schema)
 
 
 def test_the_published_schema_is_a_valid_schema(validator: Draft202012Validator) -> None:

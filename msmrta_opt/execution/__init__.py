@@ -1,0 +1,6 @@
+"""Plans executed: what becomes of them in a world that does not hold still.
+
+`draw` makes a world of a scenario and a seed; `simulation` lets the plan's robots act in it, event by
+event; `state` is what a policy is shown and answers, and `policies` are one file each; `execute` puts
+them together. Scenarios and runs themselves are in `mission`, and `certify.run` checks runs.
+"""

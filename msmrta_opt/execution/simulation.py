@@ -1,0 +1,470 @@
+"""A plan executed event by event, cell by cell, in a world that its robots do not know.
+
+At every time at which something happens: first what the world does (robots lost, cells blocked or
+opened, victims announced), then what robots finish, and what they notice; if that is news, the policy
+decides; then robots that are free begin what is next. A move that has begun is completed, also into a
+cell that is blocked meanwhile; none begins into a blocked one.
+
+The time of a robot's i-th cell on a walk is when it set out plus i / speed, as plans have it, so that
+without uncertainty and events every time is that of the plan to the last bit.
+"""
+
+from __future__ import annotations
+
+import heapq
+import time as wall
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+from ..arrays import Bools
+from ..mission.grid import Cell, GridMap
+from ..mission.instance import Instance, Robot, Victim
+from ..mission.plan import Plan
+from ..mission.run import (
+    Change,
+    Decision,
+    Event,
+    Loss,
+    Queue,
+    Queued,
+    Service,
+    Unknown,
+    Walked,
+    World,
+)
+from ..mission.scenario import Scenario
+from ..mission.visibility import FieldOfView
+from .state import Blocked, Decide, Queues, RobotState, State, Task
+
+_LOST, _CHANGED, _ANNOUNCED = range(3)
+
+
+@dataclass(eq=False)
+class Body:
+    """A robot as it is at a time."""
+
+    number: int
+    robot: Robot
+    speed: float
+    cell: Cell
+    queue: deque[Task]
+    task: Task | None = None
+    """The visit that is under way, or walked to."""
+    leg: list[Cell] | None = None
+    """The cells of that walk, of which the robot is at number `step`."""
+    step: int = 0
+    base: float = 0.0
+    """When it set out on it."""
+    into: Cell | None = None
+    """The cell that a move under way leads to."""
+    kind: int | None = None
+    """Which of the visit's kinds is being served."""
+    began: float = 0.0
+    """When serving that kind began."""
+    ends: list[float] = field(default_factory=list)
+    """When serving each of the visit's kinds ends."""
+    until: float | None = None
+    """When what is under way ends."""
+    lost: bool = False
+    stuck: int | None = None
+    """The version of the known map on which there was no way on."""
+    cells: list[Cell] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+
+    @property
+    def is_serving(self) -> bool:
+        """Whether a service is under way."""
+        return self.kind is not None
+
+    def ahead(self) -> tuple[Task, ...]:
+        """The visits to come; one that is walked to is the first of them."""
+        walking = self.task is not None and not self.is_serving
+        return (self.task, *self.queue) if walking and self.task else tuple(self.queue)
+
+
+class Simulation:
+    """One execution; `run` fills the lists of what happened.
+
+    Parameters
+    ----------
+    plan : Plan
+        One that holds.
+    scenario : Scenario
+        How robots notice and see.
+    world : World
+        What it came to.
+    decide : Decide
+        The policy, asked whenever there is news.
+    blocked : Blocked
+        What robots do before a blocked cell.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        scenario: Scenario,
+        world: World,
+        decide: Decide,
+        blocked: Blocked,
+        *,
+        foresees: bool = False,
+    ) -> None:
+        mission = plan.instance
+        self.mission, self.scenario, self.decide, self.blocked = mission, scenario, decide, blocked
+        self.service = {(drawn.victim, drawn.kind): drawn.time for drawn in world.services}
+        self.true = mission.map.free.copy()
+        self.known = mission.map.free.copy()
+        self.version = 0
+        self._grid: tuple[int, GridMap] = (0, mission.map)
+        self.hidden = {} if foresees else {item.victim.id: item for item in world.unknown}
+        first = [v for v in mission.victims if v.id not in self.hidden]
+        if foresees:
+            own = {v.id for v in first}
+            first += [item.victim for item in world.unknown if item.victim.id not in own]
+        self.victims = {victim.id: victim for victim in first}
+        self._mission: tuple[int, Instance] | None = None
+        self.unserved = {victim.id: list(victim.requirements) for victim in first}
+        self.seen_from = _seen_from(mission.map, scenario.visual_field_depth, self.hidden.values())
+        self.bodies = _bodies(plan, world)
+        self.by_id = {body.robot.id: body for body in self.bodies}
+        self.acts: list[tuple[float, int]] = []
+        self.happenings = _happenings(world, foresees=foresees)
+        self.news: list[Event] = []
+        self.services: list[Service] = []
+        self.events: list[Event] = []
+        self.decisions: list[Decision] = []
+        self.deciding_seconds = 0.0
+
+    def run(self) -> None:
+        """Execute until nothing more can happen."""
+        now: float | None = 0.0
+        for body in self.bodies:
+            body.cells.append(body.cell)
+            body.times.append(0.0)
+            self._look(body, 0.0)
+        while now is not None:
+            self._happen(now)
+            self._finish(now)
+            if self.news:
+                self._decide(now)
+            for body in self.bodies:
+                if body.until is None and not body.lost:
+                    self._begin(body, now)
+            now = self._next()
+
+    def tracks(self) -> tuple[Walked, ...]:
+        """Where robots were."""
+        return tuple(
+            Walked(robot=body.robot.id, cells=tuple(body.cells), times=tuple(body.times))
+            for body in self.bodies
+        )
+
+    def ordered_services(self) -> tuple[Service, ...]:
+        """What was served, robot by robot, each in its order."""
+        number = {body.robot.id: body.number for body in self.bodies}
+        return tuple(sorted(self.services, key=lambda service: number[service.robot]))
+
+    def _next(self) -> float | None:
+        """The next time at which something happens that matters."""
+        while self.acts and self.bodies[self.acts[0][1]].until != self.acts[0][0]:
+            heapq.heappop(self.acts)  # of a robot that was lost
+        times = [self.acts[0][0]] if self.acts else []
+        if self.acts or any(order != _LOST for _, order, _ in self.happenings):
+            times += [self.happenings[0][0]] if self.happenings else []
+        return min(times, default=None)
+
+    # What the world does
+
+    def _happen(self, now: float) -> None:
+        changed: list[Cell] = []
+        while self.happenings and self.happenings[0][0] == now:
+            _, _, item = self.happenings.popleft()
+            if isinstance(item, Loss):
+                self._lose(self.by_id[item.robot], now)
+            elif isinstance(item, Change):
+                if bool(self.true[item.cell]) != item.free:
+                    self.true[item.cell] = item.free
+                    self._tell(now, "opened" if item.free else "blocked", cell=item.cell)
+                    changed.append(item.cell)
+            elif item.victim.id in self.hidden:
+                self._meet(item.victim, Event(time=now, what="announced", victim=item.victim.id))
+        if not changed:
+            return
+        if self.scenario.notice == "at_once":
+            for cell in changed:
+                self._notice(cell, now, None)
+        else:
+            for body in self.bodies:
+                if not body.lost and body.into is None:
+                    self._look(body, now)
+
+    def _lose(self, body: Body, now: float) -> None:
+        if body.is_serving and body.task is not None:
+            victim, kind = body.task.victim, body.task.served[body.kind or 0]
+            self._serve(body, kind, now, done=False)
+            self._tell(now, "cut short", robot=body.robot.id, victim=victim, kind=kind)
+        body.lost, body.until = True, None
+        self.news.append(self._tell(now, "lost", robot=body.robot.id, cell=body.cell))
+
+    def _look(self, body: Body, now: float) -> None:
+        """What a robot notices from the cell in which it stands."""
+        for ident in [v for v, cells in self.seen_from.items() if v in self.hidden]:
+            if self.seen_from[ident][body.cell]:
+                found = Event(time=now, what="found", victim=ident, robot=body.robot.id)
+                self._meet(self.hidden[ident].victim, found)
+        if self.scenario.notice == "before" and self.scenario.corridors:
+            row, col = body.cell
+            n_rows, n_cols = self.true.shape
+            for cell in ((row - 1, col), (row + 1, col), (row, col - 1), (row, col + 1)):
+                if 0 <= cell[0] < n_rows and 0 <= cell[1] < n_cols:
+                    self._notice(cell, now, body.robot.id)
+
+    def _notice(self, cell: Cell, now: float, robot: int | None) -> None:
+        if self.known[cell] != self.true[cell]:
+            self.known[cell] = self.true[cell]
+            self.version += 1
+            self.news.append(self._tell(now, "noticed", robot=robot, cell=cell))
+
+    def _meet(self, victim: Victim, event: Event) -> None:
+        """A victim that is known from now on."""
+        del self.hidden[victim.id]
+        self.victims[victim.id] = victim
+        self.unserved[victim.id] = list(victim.requirements)
+        self.events.append(event)
+        self.news.append(event)
+
+    def _tell(self, now: float, what: str, **whom: object) -> Event:
+        event = Event.model_validate({"time": now, "what": what, **whom})
+        self.events.append(event)
+        return event
+
+    # What robots do
+
+    def _finish(self, now: float) -> None:
+        """End what ends now."""
+        while self.acts and self.acts[0][0] == now:
+            body = self.bodies[heapq.heappop(self.acts)[1]]
+            if body.until != now:
+                continue
+            body.until = None
+            if body.into is not None:
+                body.cell, body.into = body.into, None
+                body.step += 1
+                body.cells.append(body.cell)
+                body.times.append(now)
+                self._look(body, now)
+            elif body.kind is not None and body.task is not None and body.task.victim is not None:
+                kind = body.task.served[body.kind]
+                self._serve(body, kind, now, done=True)
+                self.unserved[body.task.victim].remove(kind)
+                who = {"robot": body.robot.id, "victim": body.task.victim, "kind": kind}
+                self._tell(now, "served", **who)
+                body.kind, body.began = body.kind + 1, now
+                if body.kind == len(body.task.served):
+                    body.kind, body.task = None, None
+
+    def _serve(self, body: Body, kind: str, now: float, *, done: bool) -> None:
+        assert body.task is not None
+        assert body.task.victim is not None
+        self.services.append(
+            Service(
+                robot=body.robot.id,
+                victim=body.task.victim,
+                kind=kind,
+                began=body.began,
+                ended=now,
+                done=done,
+            )
+        )
+
+    def _begin(self, body: Body, now: float) -> None:
+        """Let a robot that is free do what is next."""
+        if body.kind is not None:  # the next kind of a visit
+            self._until(body, body.ends[body.kind])
+            return
+        while body.stuck != self.version and (body.task is not None or body.queue):
+            task = body.task or body.queue.popleft()
+            if body.leg is None:
+                body.leg, body.step, body.base = self._way(body, task), 0, now
+            elif body.stuck is not None:
+                body.base = now
+            body.task, body.stuck = task, None
+            if body.leg is None:
+                self._hold(body, now)
+            elif body.step + 1 < len(body.leg):
+                ahead = body.leg[body.step + 1]
+                if self.known[ahead]:
+                    body.into = ahead
+                    self._until(body, body.base + (body.step + 1) / body.speed)
+                    return
+                if self.blocked == "detour":
+                    body.task, body.leg = replace(task, cells=()), None
+                else:
+                    body.leg, body.step = body.leg[body.step :], 0
+                    self._hold(body, now)
+            elif task.victim is not None and task.served:
+                self._begin_visit(body, task, task.victim, now)
+                return
+            else:
+                body.task, body.leg = None, None
+
+    def _hold(self, body: Body, now: float) -> None:
+        """There is no way on: the robot waits for another map, or leaves the visit out."""
+        if self.blocked == "wait":
+            body.stuck = self.version
+            return
+        if body.task is not None and body.task.victim is not None:
+            self._tell(now, "skipped", robot=body.robot.id, victim=body.task.victim)
+        body.task, body.leg = None, None
+
+    def _begin_visit(self, body: Body, task: Task, victim: int, now: float) -> None:
+        serving, body.ends = 0.0, []
+        for kind in task.served:
+            serving += self.service[victim, kind]
+            body.ends.append(now + serving)
+        body.kind, body.began, body.leg = 0, now, None
+        self._until(body, body.ends[0])
+
+    def _until(self, body: Body, end: float) -> None:
+        body.until = end
+        heapq.heappush(self.acts, (end, body.number))
+
+    def _way(self, body: Body, task: Task) -> list[Cell] | None:
+        """The walk of the plan, if it begins here, or the shortest that is known; or none."""
+        if task.cells and task.cells[0] == body.cell:
+            planned = list(task.cells)
+            if self.blocked != "detour" or all(self.known[cell] for cell in planned[1:]):
+                return planned
+        goal = body.robot.start if task.victim is None else self.victims[task.victim].cell
+        if goal == body.cell:
+            return [goal]
+        (walk,) = self.grid.walks([body.cell], [goal])
+        return walk or None
+
+    # What the policy decides
+
+    @property
+    def grid(self) -> GridMap:
+        """The map as it is known."""
+        if self._grid[0] != self.version:
+            self._grid = (self.version, replace(self.mission.map, free=self.known))
+        return self._grid[1]
+
+    def _known_mission(self) -> Instance:
+        if self._mission is None or self._mission[0] != len(self.victims):
+            known = tuple(self.victims.values())
+            same = known == self.mission.victims
+            mission = self.mission if same else self.mission.replace(victims=known)
+            self._mission = (len(known), mission)
+        return self._mission[1]
+
+    def _decide(self, now: float) -> None:
+        news, self.news = tuple(self.news), []
+        standing = [body for body in self.bodies if not body.lost]
+        mission = self._known_mission()
+        under_way = {
+            (body.task.victim, kind)
+            for body in standing
+            if body.is_serving and body.task is not None
+            for kind in body.task.served[body.kind or 0 :]
+        }
+        left = {
+            v: tuple(kind for kind in kinds if (v, kind) not in under_way)
+            for v, kinds in self.unserved.items()
+        }
+        state = State(
+            time=now,
+            mission=mission,
+            grid=self.grid,
+            robots=tuple(self._state_of(body, mission, now) for body in standing),
+            open={v: kinds for v, kinds in left.items() if kinds},
+            news=news,
+        )
+        began = wall.perf_counter()
+        answer = self.decide(state)
+        self.deciding_seconds += wall.perf_counter() - began
+        before = [_visits(body) for body in standing]
+        if answer is not None:
+            self._apply(answer)
+        after = [_visits(body) for body in standing]
+        if after != before:
+            changed = sum(
+                len({v.victim for v in old.visits} - {v.victim for v in new.visits})
+                for old, new in zip(before, after, strict=True)
+            )
+            self.decisions.append(
+                Decision(time=now, before=tuple(before), after=tuple(after), changed=changed)
+            )
+            self._tell(now, "decided")
+        if self.blocked == "detour":
+            for body in standing:
+                self._look_ahead(body)
+
+    def _state_of(self, body: Body, mission: Instance, now: float) -> RobotState:
+        cell, free_at = body.cell, now
+        if body.into is not None and body.until is not None:
+            cell, free_at = body.into, body.until
+        elif body.is_serving and body.task is not None:
+            victim = self.victims[body.task.victim or 0]
+            times = mission.service_time | victim.service_time
+            rest = sum(times[kind] for kind in body.task.served[body.kind or 0 :])
+            free_at = max(now, body.began + rest)
+        return RobotState(body.robot.id, cell, free_at, body.ahead())
+
+    def _apply(self, answer: Queues) -> None:
+        for ident, tasks in answer.items():
+            body, queue = self.by_id[ident], deque(tasks)
+            if body.task is not None and not body.is_serving:
+                if queue and queue[0].victim == body.task.victim:
+                    body.task = queue.popleft()
+                else:
+                    body.task, body.leg = None, None
+            body.queue, body.stuck = queue, None
+
+    def _look_ahead(self, body: Body) -> None:
+        """Give up a walk that is known to be blocked further on, or found by the robot itself."""
+        if body.leg is None or body.task is None:
+            return
+        if not body.task.cells or not all(self.known[c] for c in body.leg[body.step + 1 :]):
+            body.task, body.leg = replace(body.task, cells=()), None
+
+
+def _visits(body: Body) -> Queue:
+    ahead = [task for task in body.ahead() if task.victim is not None]
+    visits = tuple(Queued(victim=task.victim, served=task.served) for task in ahead)
+    return Queue(robot=body.robot.id, visits=visits)
+
+
+def _bodies(plan: Plan, world: World) -> list[Body]:
+    speed = {drawn.robot: drawn.speed for drawn in world.speeds}
+    routes = {route.robot: route for route in plan.routes}
+    bodies = []
+    for number, robot in enumerate(plan.instance.robots):
+        queue: deque[Task] = deque()
+        if robot.id in routes:
+            route = routes[robot.id]
+            queue += [Task(visit.victim, visit.served, visit.cells) for visit in route.visits]
+            queue += [Task(None, (), route.back)] if route.back else []
+        bodies.append(Body(number, robot, speed[robot.id], robot.start, queue))
+    return bodies
+
+
+def _happenings(
+    world: World, *, foresees: bool
+) -> deque[tuple[float, int, Loss | Change | Unknown]]:
+    """What the world does, in its order."""
+    found: list[tuple[float, int, Loss | Change | Unknown]] = [
+        *((loss.time, _LOST, loss) for loss in world.lost),
+        *((change.time, _CHANGED, change) for change in world.changes),
+    ]
+    if not foresees:
+        announced = (item for item in world.unknown if item.announced is not None)
+        found += [(item.announced or 0.0, _ANNOUNCED, item) for item in announced]
+    return deque(sorted(found, key=lambda item: item[:2]))
+
+
+def _seen_from(grid: GridMap, depth: int, unknown: Iterable[Unknown]) -> dict[int, Bools]:
+    """By victim the cells from which it is seen, ``(n_rows, n_cols)``; sight is mutual."""
+    look = FieldOfView(grid, depth)
+    return {item.victim.id: look(item.victim.cell) for item in unknown}

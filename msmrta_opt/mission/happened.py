@@ -1,0 +1,140 @@
+"""The records of which a run is made: the world it met, where robots were, what they served and when."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, NonNegativeInt
+
+from .fields import Amount, CellField, Id, Speed
+from .instance import Victim
+from .route import PlanRecord, Time
+
+
+class DrawnSpeed(PlanRecord):
+    """The speed at which a robot moves, in cells per time unit."""
+
+    robot: Id
+    speed: Speed
+
+
+class DrawnService(PlanRecord):
+    """How long serving a kind at a victim takes, in time units."""
+
+    victim: Id
+    kind: str
+    time: Amount
+
+
+class Loss(PlanRecord):
+    """A robot that does nothing any more from a time on."""
+
+    robot: Id
+    time: Amount
+
+
+class Unknown(PlanRecord):
+    """A victim that nobody knows of at first; ``announced`` is when everybody does."""
+
+    victim: Victim
+    announced: Amount | None = None
+
+
+class Change(PlanRecord):
+    """A cell that is free, or blocked, from a time on."""
+
+    time: Amount
+    cell: CellField
+    free: bool
+
+
+class World(PlanRecord):
+    """What a scenario came to: all that is random, drawn before anything happens.
+
+    It is the same whatever the policy does. ``changes`` are in the order in which they happen.
+    """
+
+    speeds: tuple[DrawnSpeed, ...]
+    services: tuple[DrawnService, ...]
+    lost: tuple[Loss, ...] = ()
+    unknown: tuple[Unknown, ...] = ()
+    changes: tuple[Change, ...] = ()
+
+
+class Walked(PlanRecord):
+    """The cells in which a robot was, its start first, and when it came into each."""
+
+    robot: Id
+    cells: Annotated[tuple[CellField, ...], Field(min_length=1)]
+    times: Annotated[tuple[Time, ...], Field(min_length=1)]
+
+
+class Service(PlanRecord):
+    """A robot that serves a requirement; not ``done`` if it was lost over it."""
+
+    robot: Id
+    victim: Id
+    kind: str
+    began: Time
+    ended: Time
+    done: bool = True
+
+
+What = Literal[
+    "lost",
+    "announced",
+    "found",
+    "blocked",
+    "opened",
+    "noticed",
+    "served",
+    "cut short",
+    "skipped",
+    "decided",
+]
+
+
+class Event(PlanRecord):
+    """Something that happened, to whom and where."""
+
+    time: Time
+    what: What
+    robot: Id | None = None
+    victim: Id | None = None
+    kind: str | None = None
+    cell: CellField | None = None
+
+    def __str__(self) -> str:
+        words = [self.what] + ([self.kind, "at"] if self.kind else [])
+        words += [] if self.victim is None else [f"victim {self.victim}"]
+        who = "" if self.robot is None else f"robot {self.robot}"
+        if self.what == "lost":
+            return f"lost {who} in {list(self.cell or ())}"
+        words += [] if self.cell is None else [f"{list(self.cell)}"]
+        return " ".join([*words, *(["by", who] if who else [])])
+
+
+class Queued(PlanRecord):
+    """A visit to come."""
+
+    victim: Id
+    served: tuple[str, ...]
+
+
+class Queue(PlanRecord):
+    """The visits to come of a robot, in their order; without the one that is under way."""
+
+    robot: Id
+    visits: tuple[Queued, ...]
+
+
+class Decision(PlanRecord):
+    """A policy's: what every robot that is left was to do before it, and is to do after it.
+
+    ``changed`` is the number of visits that are taken from a robot.
+    """
+
+    time: Time
+    before: tuple[Queue, ...]
+    after: tuple[Queue, ...]
+    changed: NonNegativeInt

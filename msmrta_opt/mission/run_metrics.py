@@ -1,0 +1,192 @@
+"""The table of a run's metrics: what was served and when, what was lost, what was decided anew.
+
+As for plans, a metric is one method with its label, unit and direction; tables read `RUN_METRICS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from .happened import Decision, Event, Service, Walked, World
+from .instance import Victim
+from .metrics import CELLS, PERCENT, TIME, Metric, metric
+from .plan import Plan
+from .route import Reason
+
+ROUNDING = 1e-9
+"""Share of a time up to which two times are the same."""
+_NEVER = (Reason.NO_ROBOT_HAS_IT, Reason.NO_CAPABLE_ROBOT_REACHES_IT)
+
+
+class _Parts(NamedTuple):
+    """What of a run its metrics are worked out from."""
+
+    plan: Plan
+    victims: tuple[Victim, ...]
+    world: World
+    tracks: tuple[Walked, ...]
+    services: tuple[Service, ...]
+    events: tuple[Event, ...]
+    decisions: tuple[Decision, ...]
+
+
+class RunMetrics:
+    """What a run came to.
+
+    Parameters
+    ----------
+    plan, victims, world, tracks, services, events, decisions
+        The parts of the run; that they hold is not looked at.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        victims: tuple[Victim, ...],
+        world: World,
+        tracks: tuple[Walked, ...],
+        services: tuple[Service, ...],
+        events: tuple[Event, ...],
+        decisions: tuple[Decision, ...],
+    ) -> None:
+        self.run = _Parts(plan, victims, world, tracks, services, events, decisions)
+
+    @metric("requirements served", better="more", heading="served")
+    def n_served(self) -> int:
+        """Requirements that were served."""
+        return len(self._served)
+
+    @metric("requirements available", heading="available")
+    def n_available(self) -> int:
+        """Requirements that some robot of the mission has, of victims that robots can reach.
+
+        Victims that turn up, or are never found, are counted, too.
+        """
+        plan = self.run.plan
+        known = {victim.id for victim in plan.instance.victims}
+        never = {(item.victim, item.kind) for item in plan.unserved if item.reason in _NEVER}
+        capable = {kind for robot in plan.instance.robots for kind in robot.capabilities}
+        needed = ((v, kind) for v in self.run.victims for kind in v.requirements)
+        return sum(
+            (v.id, kind) not in never if v.id in known else kind in capable for v, kind in needed
+        )
+
+    @metric("served share", PERCENT, better="more")
+    def served_share(self) -> float:
+        """``n_served / n_available``; 1 if nothing is available."""
+        return self.n_served / self.n_available if self.n_available else 1.0
+
+    @metric("distance", CELLS, better="less", heading="cells")
+    def distance(self) -> int:
+        """Cells walked by all robots."""
+        return sum(len(track.cells) - 1 for track in self.run.tracks)
+
+    @metric("total time", TIME, better="less", words="total time, travel and service")
+    def total_time(self) -> float:
+        """When robots are done, all together, less what they stood still before."""
+        return sum(self.done_of.values()) - self.stood_still
+
+    @metric("makespan", TIME, better="less")
+    def makespan(self) -> float:
+        """When the last robot is done."""
+        return max(self.done_of.values(), default=0.0)
+
+    @metric("latency", TIME, better="less", words="latency, completion times summed by priority")
+    def latency(self) -> float:
+        """Sum over victims of priority times the time of their last requirement that is served."""
+        return float(sum(self._priority[v] * time for v, time in self.completion.items()))
+
+    @metric("time stood still", TIME, better="less", heading="stood still")
+    def stood_still(self) -> float:
+        """Time in which robots that were not done yet neither moved nor served."""
+        return sum(self._still_of.values())
+
+    @metric("work lost", TIME, better="less")
+    def work_lost(self) -> float:
+        """Service time spent by robots that were lost over it."""
+        return float(sum(s.ended - s.began for s in self.run.services if not s.done))
+
+    @metric("robots lost")
+    def robots_lost(self) -> int:
+        """Robots that were lost before the end of the run."""
+        return sum(event.what == "lost" for event in self.run.events)
+
+    @metric("victims that turned up", heading="turned up")
+    def victims_turned_up(self) -> int:
+        """Victims that were announced or found during the run."""
+        return sum(event.what in ("announced", "found") for event in self.run.events)
+
+    @metric("replans", better="less")
+    def replans(self) -> int:
+        """Decisions after which some robot had other visits before it."""
+        return len(self.run.decisions)
+
+    @metric("changed visits", better="less")
+    def changed_visits(self) -> int:
+        """Visits that were taken from robots by decisions."""
+        return sum(decision.changed for decision in self.run.decisions)
+
+    @cached_property
+    def completion(self) -> Mapping[int, float]:
+        """When the last requirement of a victim that was served was done, per victim id."""
+        last: dict[int, float] = {}
+        for service in self.run.services:
+            if service.done:
+                last[service.victim] = max(last.get(service.victim, 0.0), service.ended)
+        return last
+
+    @cached_property
+    def done_of(self) -> Mapping[int, float]:
+        """When a robot had moved and served for the last time, per robot id."""
+        return {
+            track.robot: max(end for _, end in _acts(self.run, track)) for track in self.run.tracks
+        }
+
+    def served_by(self, time: float) -> int:
+        """Requirements served by a time."""
+        return sum(service.done and service.ended <= time for service in self.run.services)
+
+    def as_dict(self) -> dict[str, Any]:
+        """All figures by name."""
+        return {name: entry.of(self) for name, entry in RUN_METRICS.items()}
+
+    def __repr__(self) -> str:
+        return f"RunMetrics({', '.join(f'{k}={v!r}' for k, v in self.as_dict().items())})"
+
+    @cached_property
+    def _served(self) -> set[tuple[int, str]]:
+        return {(service.victim, service.kind) for service in self.run.services if service.done}
+
+    @cached_property
+    def _priority(self) -> Mapping[int, float]:
+        return {victim.id: victim.priority for victim in self.run.victims}
+
+    @cached_property
+    def _still_of(self) -> Mapping[int, float]:
+        still: dict[int, float] = {}
+        for track in self.run.tracks:
+            clock, total = 0.0, 0.0
+            for began, ended in _acts(self.run, track):
+                if began - clock > ROUNDING * ended:
+                    total += began - clock
+                clock = max(clock, ended)
+            still[track.robot] = total
+        return still
+
+
+def _acts(run: _Parts, track: Walked) -> Iterator[tuple[float, float]]:
+    """From when to when a robot moves or serves, in order; first a moment at its start."""
+    speed = next(drawn.speed for drawn in run.world.speeds if drawn.robot == track.robot)
+    moves = [(time - 1 / speed, time) for time in track.times[1:]]
+    serves = [(s.began, s.ended) for s in run.services if s.robot == track.robot]
+    yield 0.0, 0.0
+    yield from sorted([*moves, *serves], key=lambda act: act[1])
+
+
+RUN_METRICS: Mapping[str, Metric[Any]] = MappingProxyType(
+    {name: entry for name, entry in vars(RunMetrics).items() if isinstance(entry, Metric)}
+)
+"""All metrics of runs by name, in the order in which tables show them."""

@@ -1,0 +1,275 @@
+"""What may happen while a plan is executed: the scenario, a TOML file of its own.
+
+``format = "msmrta-scenario/1"``; pydantic validates it, and `json_schema` publishes its schema. Speeds
+and service times are the mission's own, each times a factor with a distribution; robots are lost at a
+time or with a rate; victims are announced, or found by robots; cells are blocked and opened.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from .errors import InputError, all_of, at
+from .fields import Amount, CellField, Id
+from .instance import Instance, Victim
+from .suggestions import meant
+from .validation import problems_of, read_model
+
+FORMAT: Literal["msmrta-scenario/1"] = "msmrta-scenario/1"
+
+Factor = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
+Sigma = Annotated[float, Field(ge=0, le=5, allow_inf_nan=False)]
+Rate = Annotated[float, Field(gt=0, le=1e30, allow_inf_nan=False)]
+
+_NEEDED = {
+    "fixed": ("value",),
+    "lognormal": ("median", "sigma"),
+    "triangular": ("low", "mode", "high"),
+}
+"""By distribution the fields that it has."""
+_DEFAULTS = {"value": 1.0, "median": 1.0}
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Distribution(_Table):
+    """By what a value of the mission is multiplied: its distribution.
+
+    ``fixed`` has a ``value``; ``lognormal`` a ``median`` and ``sigma``, the standard deviation of its
+    logarithm; ``triangular`` a ``low`` and a ``high`` end and the ``mode`` between them.
+    """
+
+    distribution: Literal["fixed", "lognormal", "triangular"] = "fixed"
+    value: Factor | None = None
+    median: Factor | None = None
+    sigma: Sigma | None = None
+    low: Factor | None = None
+    mode: Factor | None = None
+    high: Factor | None = None
+
+    @model_validator(mode="after")
+    def _has_what_it_needs(self) -> Self:
+        if wrong := list(self._faults()):
+            raise all_of(wrong)
+        return self
+
+    def _faults(self) -> Iterator[InputError]:
+        needed = _NEEDED[self.distribution]
+        for name in dict.fromkeys(field for fields in _NEEDED.values() for field in fields):
+            given = getattr(self, name) is not None
+            if given and name not in needed:
+                right = f"a {self.distribution} distribution has {', '.join(needed)}"
+                yield InputError(f"{getattr(self, name):g}; {right}", field=name)
+            elif not given and name in needed and name not in _DEFAULTS:
+                yield InputError(f"is missing; {self.distribution} needs it", field=name)
+        if None not in (self.low, self.mode, self.high):
+            low, mode, high = self.parameters
+            if not low <= mode <= high:
+                yield InputError(f"{mode:g}; give {low:g} to {high:g}, or other ends", field="mode")
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """The values of the fields that the distribution has, in their order."""
+        given = ((name, getattr(self, name)) for name in _NEEDED[self.distribution])
+        return tuple(_DEFAULTS[name] if value is None else value for name, value in given)
+
+    def may_be(self, factor: float) -> bool:
+        """Whether `factor` can come of it."""
+        if self.distribution == "lognormal":
+            median, sigma = self.parameters
+            return factor == median if sigma == 0 else 0 < factor < math.inf
+        return self.parameters[0] <= factor <= self.parameters[-1]
+
+
+class SpeedTable(Distribution):
+    """The speed of a robot, or of every robot that has no table of its own."""
+
+    robot: Id | None = None
+
+
+class ServiceTable(Distribution):
+    """The service time of a kind, or of every kind that has no table of its own."""
+
+    kind: str | None = None
+
+
+class LostTable(_Table):
+    """A robot that is lost at a ``time``; or one, or any of all, with a ``rate`` per time unit."""
+
+    robot: Id | None = None
+    time: Amount | None = None
+    rate: Rate | None = None
+
+    @model_validator(mode="after")
+    def _time_or_rate(self) -> Self:
+        if (self.time is None) == (self.rate is None):
+            raise InputError("give either a time or a rate", field="time")
+        if self.time is not None and self.robot is None:
+            raise InputError("is missing; say which robot is lost at that time", field="robot")
+        return self
+
+
+class VictimTable(Victim):
+    """A victim that the plan does not know of.
+
+    It becomes known when it is ``announced``, or before that when a robot sees its cell.
+    """
+
+    announced: Amount | None = None
+
+    @property
+    def victim(self) -> Victim:
+        """As a victim of a mission."""
+        return Victim(**{name: getattr(self, name) for name in Victim.model_fields})
+
+
+class CorridorTable(_Table):
+    """Cells that are ``blocked`` at a time, ``opened`` at a time, or both."""
+
+    cells: Annotated[tuple[CellField, ...], Field(min_length=1)]
+    blocked: Amount | None = None
+    opened: Amount | None = None
+
+    @model_validator(mode="after")
+    def _at_a_time(self) -> Self:
+        if self.blocked is None and self.opened is None:
+            raise InputError("is missing; give blocked, opened or both", field="blocked")
+        if self.blocked == self.opened:
+            raise InputError(f"{self.opened:g}; give another time than blocked", field="opened")
+        return self
+
+
+class Scenario(_Table):
+    """What may happen; without any table, nothing does.
+
+    ``notice`` says when robots learn that a cell is blocked or opened: when one of them stands
+    ``before`` it, or ``at_once``. ``visual_field_depth`` is how far robots see victims, in cells.
+    """
+
+    format: Literal["msmrta-scenario/1"] = FORMAT
+    name: str = ""
+    description: str = ""
+    notice: Literal["before", "at_once"] = "before"
+    visual_field_depth: Id = 0
+    speed: tuple[SpeedTable, ...] = ()
+    service: tuple[ServiceTable, ...] = ()
+    lost: tuple[LostTable, ...] = ()
+    victims: tuple[VictimTable, ...] = ()
+    corridors: tuple[CorridorTable, ...] = ()
+
+    @model_validator(mode="after")
+    def _says_each_thing_once(self) -> Self:
+        wrong = [
+            *_repeats("speed", "robot", [table.robot for table in self.speed]),
+            *_repeats("service", "kind", [table.kind for table in self.service]),
+            *_repeats("victims", "id", [table.id for table in self.victims]),
+        ]
+        if wrong:
+            raise all_of(wrong)
+        return self
+
+    @classmethod
+    def read(cls, path: str | Path) -> Scenario:
+        """Read a scenario file.
+
+        Raises
+        ------
+        InputError
+            Naming the file, the field, the offending value and what would be right; `MistakesError`
+            of several mistakes.
+        """
+        return read_model(cls, path, toml=True)
+
+    @classmethod
+    def from_document(cls, document: dict[str, Any]) -> Scenario:
+        """A scenario from what its file would hold.
+
+        Raises
+        ------
+        InputError
+            As for a file.
+        """
+        try:
+            return cls.model_validate(document)
+        except ValidationError as error:
+            raise problems_of(error, cls) from None
+
+    def speed_of(self, robot: int) -> Distribution:
+        """The distribution of the factor of a robot's speed."""
+        return _own(self.speed, "robot", robot)
+
+    def service_of(self, kind: str) -> Distribution:
+        """The distribution of the factor of a kind's service times."""
+        return _own(self.service, "kind", kind)
+
+    def check_for(self, mission: Instance) -> None:
+        """Refuse what refers to robots, kinds, victims and cells that `mission` has not.
+
+        Raises
+        ------
+        InputError
+            Naming the field; `MistakesError` of several mistakes.
+        """
+        if wrong := list(_mistakes(self, mission)):
+            raise all_of(wrong)
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of a scenario file, as which its TOML is read."""
+    return Scenario.model_json_schema()
+
+
+def _own(tables: Sequence[Distribution], field: str, key: object) -> Distribution:
+    """The table of `key`, or that of all, or a fixed 1."""
+    own = {getattr(table, field): table for table in tables}
+    return own.get(key) or own.get(None) or Distribution()
+
+
+def _repeats(group: str, field: str, keys: Sequence[object]) -> Iterator[InputError]:
+    for i, key in enumerate(keys):
+        if key in keys[:i]:
+            what = f"{key!r} is repeated" if key is not None else f"is a second without a {field}"
+            yield InputError(f"{what}; give each once", field=at(group, i, field))
+
+
+def _mistakes(scenario: Scenario, mission: Instance) -> Iterator[InputError]:
+    robots = [str(robot.id) for robot in mission.robots]
+    kinds, grid = mission.capabilities, mission.map
+    named = [(at("speed", i, "robot"), table.robot) for i, table in enumerate(scenario.speed)]
+    named += [(at("lost", i, "robot"), table.robot) for i, table in enumerate(scenario.lost)]
+    for field, robot in named:
+        if robot is not None and str(robot) not in robots:
+            known = ", ".join(robots)
+            yield InputError(f"{robot}; the mission has robots {known}", field=field)
+    for i, service in enumerate(scenario.service):
+        if service.kind is not None:
+            yield from _unknown(at("service", i, "kind"), service.kind, kinds)
+    ids = {victim.id for victim in mission.victims}
+    for i, victim in enumerate(scenario.victims):
+        if victim.id in ids:
+            problem = f"{victim.id} is a victim of the mission; give a new one"
+            yield InputError(problem, field=at("victims", i, "id"))
+        if not grid.is_free(victim.cell):
+            problem = f"{list(victim.cell)} is {grid.trouble(victim.cell)}"
+            yield InputError(problem, field=at("victims", i, "cell"))
+        for field in ("requirements", "service_time"):
+            for kind in getattr(victim, field):
+                yield from _unknown(at("victims", i, field), kind, kinds)
+    for i, corridor in enumerate(scenario.corridors):
+        for j, cell in enumerate(corridor.cells):
+            if not grid.contains(cell):
+                problem = f"{list(cell)} is {grid.trouble(cell)}"
+                yield InputError(problem, field=at("corridors", i, "cells", j))
+
+
+def _unknown(field: str, kind: str, kinds: Sequence[str]) -> Iterator[InputError]:
+    if kind not in kinds:
+        known = ", ".join(kinds)
+        yield InputError(f"{kind!r}{meant(kind, kinds)}; the mission has {known}", field=field)
