@@ -17,7 +17,7 @@ from typing import Any, TypeVar, overload
 import numpy as np
 
 from ...interruption import interrupted
-from ...mission.errors import InputError, MsmrtaError
+from ...mission.errors import InputError, MsmrtaError, SolverError
 from ...mission.instance import Instance, require_mission
 from ...mission.plan import Plan
 from ...optimise import registry
@@ -90,7 +90,7 @@ def tradeoff(
         raise InputError(f"{over!r}; give a parameter, or psi and beta", field="over")
     settings = _settings(options, model)
     stage, chosen = _formulation(over, model, settings)
-    problem = _Problem(mission, over, stage, chosen, settings)
+    problem = _first(mission, over, stage, chosen, settings)
     family, pieces = problem.family, problem.envelope
     segments = _in_time(pieces.pieces, lambda piece: _segment(problem, piece))
     if not segments:
@@ -138,7 +138,7 @@ def tradeoff_regions(mission: Instance, **options: Any) -> Regions:
         If a formulation's value is not linear in its parameter.
     """
     settings = _settings(options, None)
-    eq1 = _Problem(mission, "psi", "cluster", settings.cluster_model, settings)
+    eq1 = _first(mission, "psi", "cluster", settings.cluster_model, settings)
     strips = _in_time(eq1.envelope.pieces, lambda strip: _strip(mission, settings, eq1, strip))
     regions = tuple(region for found, _ in strips for region in found)
     if not regions:
@@ -165,6 +165,16 @@ def _strip(
         return Region((strip.low, strip.high), (low, high), plan, one_post and one_choice)
 
     return _in_time(pieces, region), eq2
+
+
+def _first(*what: Any) -> _Problem:
+    """The `_Problem`, unless `interruption` left no time to solve even the ends of its range."""
+    try:
+        return _Problem(*what)
+    except SolverError:
+        if interrupted():
+            raise KeyboardInterrupt from None
+        raise
 
 
 def _in_time(items: Iterable[Item], do: Callable[[Item], Done]) -> list[Done]:

@@ -17,7 +17,7 @@ from support.legible import illegible
 
 from msmrta_opt.cli import run
 from msmrta_opt.interruption import interruptible
-from msmrta_opt.mission.errors import InputError, ModelError
+from msmrta_opt.mission.errors import InputError, ModelError, SolverError
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
@@ -155,6 +155,19 @@ def test_ctrl_c_keeps_the_pieces_that_are_whole_by_then(
         assert len(list(csv.DictReader(file))) == rows
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert f"interrupted: what is shown of {over} is not all there is" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("over", ["psi", "beta", "psi,beta"])
+def test_ctrl_c_in_the_very_first_solve_is_an_interruption_and_no_error(
+    over: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(family: Family, t: Fraction) -> Line:
+        os.kill(os.getpid(), signal.SIGINT)
+        raise SolverError("feasible: stopped by the user")
+
+    monkeypatch.setattr(Family, "solve", stopped)
+    assert run(["tradeoff", str(PAPER), "--over", over]) == 130
+    assert capsys.readouterr().err.splitlines()[-1] == "interrupted"
 
 
 def test_pieces_that_are_proved_before_ctrl_c_are_those_of_the_whole(
