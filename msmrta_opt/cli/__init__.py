@@ -114,14 +114,18 @@ def _run(arguments: list[str]) -> int:
         message = error.format_message() if hasattr(error, "format_message") else str(error)
         return _complain(message, getattr(error, "exit_code", 2))
     except (KeyboardInterrupt, typer.Abort):
-        print("interrupted", file=sys.stderr)
-        return interruption.exit_status()
+        return _interrupted()
     except OSError as error:
         # A full disk, a name too long: the system's own words, which name the file.
         return _complain(error, 2)
     if status == 130:  # typer's word for a Ctrl-C, whichever signal it was
-        return interruption.exit_status()
+        return _interrupted()
     return status if isinstance(status, int) else 0
+
+
+def _interrupted() -> int:
+    print("interrupted", file=sys.stderr)
+    return interruption.exit_status()
 
 
 def _complain(problem: object, status: int) -> int:
