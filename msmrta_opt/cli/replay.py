@@ -1,4 +1,4 @@
-"""The command replay: a plan, or two in step, as one file that any browser plays."""
+"""The command replay: a plan or a run, or two in step, as one file that any browser plays."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import typer
 if TYPE_CHECKING:
     from ..mission.instance import Instance
     from ..mission.plan import Plan
+    from ..mission.run import Run
 
 MOST_PLANS = 2
 
@@ -24,8 +25,9 @@ def replay(
     files: Annotated[
         list[Path],
         typer.Argument(
-            help="A plan, or two to be played in step; and an instance, if they must be for it.",
-            metavar="PLAN [PLAN] [INSTANCE]",
+            help="A plan or a run, or two to be played in step; and an instance, if they must be "
+            "for it.",
+            metavar="PLAN|RUN [PLAN|RUN] [INSTANCE]",
         ),
     ],
     output: Annotated[
@@ -39,10 +41,10 @@ def replay(
         Path | None, typer.Option(help="Write a film here: .mp4; needs ffmpeg.", metavar="FILE")
     ] = None,
 ) -> None:
-    """Write a replay of a plan that any browser plays, without a network; or a film of it.
+    """Write a replay of a plan or a run that any browser plays, without a network; or a film of a plan.
 
-    Scouting, then the robots with their trails, victims as they are served, and a timeline to drag.
-    A plan that does not hold is not shown.
+    Scouting, then the robots with their trails, victims as they are served, and a timeline to drag; of a
+    run what came in between, and what was decided then. What does not hold is not shown.
     """
     from ..mission.errors import InputError
     from ..plots import plot_replay
@@ -72,31 +74,38 @@ def replay(
         typer.echo(f"replay written to {file}")
 
 
-def _read(files: Sequence[Path]) -> tuple[dict[Path, Plan], list[Instance]]:
+def _read(files: Sequence[Path]) -> tuple[dict[Path, Plan | Run], list[Instance]]:
     from ..mission.errors import InputError
     from ..mission.instance import Instance
     from ..mission.plan import Plan
+    from ..mission.run import Run
     from .outputs import document_format
 
-    plans: dict[Path, Plan] = {}
+    plans: dict[Path, Plan | Run] = {}
     missions: list[Instance] = []
     for file in files:
-        if not document_format(file).startswith("msmrta-plan"):
+        kind = document_format(file).partition("/")[0]
+        if kind not in ("msmrta-plan", "msmrta-run"):
             missions.append(Instance.read(file))
         elif file in plans:
             raise InputError("is given twice; give another plan", file=file)
         else:
-            plans[file] = Plan.read(file)
+            plans[file] = Plan.read(file) if kind == "msmrta-plan" else Run.read(file)
     return plans, missions
 
 
-def _check(file: Path, plan: Plan, missions: Sequence[Instance]) -> None:
-    """Refuse a plan that does not hold, or is for none of the missions that are given."""
-    from ..certify.plan import problems
+def _check(file: Path, shown: Plan | Run, missions: Sequence[Instance]) -> None:
+    """Refuse a plan or a run that does not hold, or is for none of the missions that are given."""
+    from ..certify import plan as of_plans
+    from ..certify import run as of_runs
     from ..certify.same_mission import differences
     from ..mission.errors import CheckError
+    from ..mission.plan import Plan
 
-    wrong = problems(plan)
+    if isinstance(shown, Plan):
+        plan, wrong = shown, of_plans.problems(shown)
+    else:
+        plan, wrong = shown.plan, of_runs.problems(shown)
     if missions:
         closest = min((differences(plan, mission) for mission in missions), key=len)
         wrong += [f"the plan is for another mission: {line}" for line in closest]
@@ -105,7 +114,7 @@ def _check(file: Path, plan: Plan, missions: Sequence[Instance]) -> None:
         raise CheckError(f"{file}: {wrong[0]}{more}")
 
 
-def _labels(plans: dict[Path, Plan]) -> list[str]:
+def _labels(plans: dict[Path, Plan | Run]) -> list[str]:
     """What tells two plans apart: the names of their files."""
     from ..plots.titles import says
 

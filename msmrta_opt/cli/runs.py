@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .console import Json
-from .missions import Seed
+from .missions import Figure, Seed
 
 if TYPE_CHECKING:
     from ..mission.run import Run
@@ -34,6 +34,7 @@ def run(
         typer.Option(help="An option of the policy.", metavar="NAME=VALUE"),
     ] = None,
     json: Json = None,
+    figure: Figure = None,
 ) -> None:
     """Execute a plan, and print what happened, and what came of it beside what was planned."""
     from ..execution.execute import execute
@@ -43,7 +44,7 @@ def run(
     from .console import STANDARD_OUTPUT, say, write_json
     from .outputs import check_outputs, named_values
 
-    check_outputs(json, inputs=[plan, scenario])
+    check_outputs(json, figure=figure, inputs=[plan, scenario])
     made = Plan.read(plan)
     given = Scenario() if scenario is None else Scenario.read(scenario)
     try:
@@ -56,6 +57,11 @@ def run(
     elif json is not None:
         happened.save(json)
         say(f"run written to {json}")
+    if figure is not None:
+        from ..plots import save_figure
+
+        save_figure(happened.plot(), figure)
+        say(f"picture written to {figure}")
     _show(happened)
 
 

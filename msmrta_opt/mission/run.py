@@ -9,10 +9,11 @@ from __future__ import annotations
 import json
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field, NonNegativeInt
 
+from ..public import load
 from . import display
 from .files import write_text
 from .grid import Cell
@@ -35,6 +36,9 @@ from .route import PlanRecord, Time
 from .run_metrics import RUN_METRICS, RunMetrics
 from .scenario import Scenario
 from .validation import read_model
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FORMAT: Literal["msmrta-run/1"] = "msmrta-run/1"
 
@@ -84,6 +88,15 @@ class Run(PlanRecord):
         passed = (c for c, t in zip(track.cells, track.times, strict=True) if t <= time)
         *_, last = passed
         return last
+
+    def plot(self, **options: Any) -> Figure:
+        """Draw what was planned and what was walked; see `plots.plot_run`."""
+        figure: Figure = load("plots").plot_run(self, **options)
+        return figure
+
+    def replay(self, beside: Run | Plan | None = None, **options: Any) -> Any:
+        """A page that plays the run, or this one and another in step; see `plots.plot_replay`."""
+        return load("plots").plot_replay(self, beside, **options)
 
     def document(self) -> dict[str, Any]:
         """The run as a JSON-ready document."""

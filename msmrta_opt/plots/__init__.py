@@ -6,10 +6,11 @@ the caller alone: pyplot does not know them, no global setting changes, no displ
 notebook, what these functions return shows itself as the last value of a cell.
 
 Panels: `scouting` and `coverage`, `assignment`, `paths`, `gantt`, and `mission` with all of them and a
-`key`; `two_plans` beside each other; `floor` is what a map was made of. Charts: `convergence`,
-`workload`. On a map, a `canvas`, stand `marks` that `placing` keeps apart, `walks` and `clusters`, or
-the `overview` of a large mission. What all share: `figure`, `legends`, `titles`, `lettering` (any name
-as it is written), `style` (what stands for what), `saving`. Not a picture but a page: `replay`.
+`key`; `two_plans` beside each other, a `run` beside its plan; `floor` is what a map was made of.
+Charts: `convergence`, `workload`. On a map, a `canvas`, stand `marks` that `placing` keeps apart,
+`walks` and `clusters`, or the `overview` of a large mission. What all share: `figure`, `legends`,
+`titles`, `lettering` (any name as it is written), `style` (what stands for what), `saving`. Not a
+picture but a page: `replay`.
 
 A robot keeps its colour in every picture (`robot_colour`), and red means unserved or unfound. Names on
 the pictures are short: R0 is the robot with id 0, S0 a scout, C0 a cluster; a disc holds a victim's id.
@@ -24,6 +25,7 @@ from .gantt import plot_gantt
 from .mission import plot_mission
 from .paths import plot_paths
 from .replay import Replay, plot_replay
+from .run import plot_run
 from .saving import FORMATS, save_figure
 from .scouting import plot_scouting
 from .style import robot_colour
@@ -42,6 +44,7 @@ __all__ = [
     "plot_mission",
     "plot_paths",
     "plot_replay",
+    "plot_run",
     "plot_scouting",
     "plot_two_plans",
     "plot_workload",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..mission.instance import Instance
 from ..mission.plan import Plan
+from ..mission.run import Run
 from .lettering import shortened
 
 
@@ -12,11 +13,13 @@ def name_of(instance: Instance) -> str:
     return " ".join(instance.name.split()) or "unnamed mission"
 
 
-def says(plan: Plan) -> str:
-    """Who planned, what was done to the plan, and what is proven of it.
+def says(plan: Plan | Run) -> str:
+    """Who planned, what was done to the plan, and what is proven of it; of a run its policy.
 
-    So ``msmrta + 1 s local search``, or ``exact: optimal, bound 1218.33``.
+    So ``msmrta + 1 s local search``, or ``exact: optimal, bound 1218.33``, or ``keep, seed 3``.
     """
+    if isinstance(plan, Run):
+        return f"{shortened(plan.policy)}, seed {plan.seed}"
     said = shortened(plan.planner)
     improve = plan.options.get("improve", False)
     if improve is not False:

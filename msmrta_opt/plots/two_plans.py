@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..mission.metrics import METRICS
@@ -86,8 +87,9 @@ def draw_maps(
     top: float,
     width: float,
     faded: Collection[int] = (),
-) -> None:
+) -> list[Axes]:
     """Draw the paths of plans beside each other, each under its title and what it costs."""
+    drawn = []
     across = _across([plan for _, plan in items], width)
     for number, (title, plan) in enumerate(items):
         left = MARGIN + TICKS + number * (across + TICKS + GAP)
@@ -97,6 +99,8 @@ def draw_maps(
         m, room = plan.metrics, across * POINTS_PER_INCH
         cost = f"{m.n_served} served, {m.distance} cells walked, makespan {m.makespan:.6g}"
         ax.set_title(f"{fitted(title, 9.5, room)}\n{fitted(cost, 9.5, room)}", fontsize=9.5)
+        drawn.append(ax)
+    return drawn
 
 
 def plans_key(plans: Sequence[Plan]) -> list[Section]:

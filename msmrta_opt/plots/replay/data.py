@@ -114,7 +114,7 @@ def _robots(plan: Plan, kinds: dict[str, int], stages: list[str]) -> list[dict[s
                 "start": list(robot.start),
                 "speed": robot.speed,
                 "can": [kinds[kind] for kind in robot.capabilities],
-                **_look(styles[robot.id]),
+                **look(styles[robot.id]),
                 "visits": visits,
                 "back": back,
                 "home": home,
@@ -131,7 +131,8 @@ def _from(here: Cell, visit: Visit, field: str) -> tuple[Cell, ...]:
     return visit.cells
 
 
-def _look(style: RobotStyle) -> dict[str, Any]:
+def look(style: RobotStyle) -> dict[str, Any]:
+    """How a robot looks: its colour, that of letters on it, the dashes of its line."""
     dash = [] if isinstance(style.line, str) else list(style.line[1])
     return {"colour": style.colour, "ink": style.ink, "dash": dash}
 

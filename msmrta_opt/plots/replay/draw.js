@@ -2,6 +2,8 @@
    has a plan and its canvases, a `scene` says what to show of it and when. */
 
 const MARGIN = 12, TURN = 2 * Math.PI;
+/* Share of the whole time for which a decision, or a victim that turned up, stays marked. */
+const REPLAN_SHARE = 0.04;
 
 function colours() {
   const style = getComputedStyle(document.documentElement), named = {};
@@ -55,6 +57,10 @@ function drawMap(panel, scene) {
   const now = panel.plan.robots.map((robot) => robotAt(robot, scene.t));
   const shift = laneShift(panel.plan, scale);
   panel.plan.robots.forEach((robot, i) => drawTrail(pen, robot, now[i], scene, scale, shift(i)));
+  if (panel.plan.run) {
+    drawChanges(pen, panel, scene, scale);
+    drawQueues(pen, panel.plan, now, scene, scale);
+  }
   pen.globalAlpha = 1;
   pen.setLineDash([]);
   for (const victim of panel.plan.victims) drawVictim(pen, panel, victim, scene, scale);
@@ -134,15 +140,56 @@ function drawTrail(pen, robot, now, scene, scale, shift) {
     pen.lineWidth = isAhead ? Math.max(0.6 * scale.line, 1) : scale.line;
     pen.stroke();
   };
-  const legs = robot.visits.map((v) => ({ path: v.path, begin: v.begin, end: v.arrival, stage: v.stage }));
-  if (robot.back) legs.push({ path: robot.backPath, begin: robot.done, end: robot.home, stage: null });
-  for (const leg of legs) {
-    const shown = leg.stage === null || scene.layers.stages.has(leg.stage) ? 0.95 : 0.15;
+  for (const leg of robot.legs) {
+    const shown = !leg.visit || scene.layers.stages.has(leg.visit.stage) ? 0.95 : 0.15;
     const length = leg.path.length, share = leg.end > leg.begin ? (scene.t - leg.begin) / (leg.end - leg.begin) : Infinity;
     const done = scene.t < leg.begin ? 0 : Math.min(Math.max(share, 0), 1) * length;
     if (done > 0 && leg.end > since && scene.layers.trails !== "none") draw(part(leg.path, 0, done), shown, false);
-    if (done < length && (scene.layers.ahead || scene.robot === robot.id)) draw(part(leg.path, done, length), shown, true);
+    // What comes of a run is not known yet; what was to be is drawn by drawQueues.
+    if (done < length && !robot.queues && (scene.layers.ahead || scene.robot === robot.id)) draw(part(leg.path, done, length), shown, true);
   }
+}
+
+/* Cells that events have blocked or opened: crossed, and filled once robots know. */
+function drawChanges(pen, panel, scene, scale) {
+  const { red, wall, floor } = scene.colours, half = Math.max(scale.cell / 2, 3);
+  for (const { row, col, free, noticed } of changesAt(panel.plan, scene.t)) {
+    const x = scale.x(col), y = scale.y(row);
+    pen.fillStyle = free ? floor : wall;
+    pen.globalAlpha = noticed ? 0.8 : 0.3;
+    pen.fillRect(x - scale.cell / 2, y - scale.cell / 2, scale.cell, scale.cell);
+    pen.globalAlpha = 1;
+    if (!free) cross(pen, x, y, 0.8 * half, red, Math.max(scale.line, 1.5));
+  }
+}
+
+/* What robots are to do next, as lines from victim to victim; for a while after a decision what it took
+   away in red, what it gave in the colour of the robot. */
+function drawQueues(pen, plan, now, scene, scale) {
+  const cell = (victim) => plan.victims[victim].cell;
+  const draw = (start, victims, colour, dash) => {
+    pen.beginPath();
+    trace(pen, [start, ...victims.map(cell)], scale);
+    pen.setLineDash(dash);
+    pen.strokeStyle = colour;
+    pen.lineWidth = Math.max(0.5 * scale.line, 1.2);
+    pen.globalAlpha = 0.85;
+    pen.stroke();
+  };
+  const last = plan.run.decisions.findLast((x) => x.time <= scene.t);
+  const fresh = last && scene.layers.replans && scene.t - last.time < REPLAN_SHARE * scene.horizon ? last.queues : [];
+  for (const [i, before, after] of fresh) {
+    if (scene.robot !== null && scene.robot !== plan.robots[i].id) continue;
+    draw(now[i].point, before, scene.colours.red, [2, 5]);
+    draw(now[i].point, after, plan.robots[i].colour, [7, 4]);
+  }
+  plan.robots.forEach((robot, i) => {
+    if ((scene.layers.ahead || scene.robot === robot.id) && !fresh.some(([number]) => number === i)) {
+      draw(now[i].point, queueAt(robot, scene.t), robot.colour, [1, 2 * scale.line + 2]);
+    }
+  });
+  pen.setLineDash([]);
+  pen.globalAlpha = 1;
 }
 
 /* The points of a walk from `f` cells on to `g`. */
@@ -155,6 +202,15 @@ function drawVictim(pen, panel, victim, scene, scale) {
   const [row, col] = victim.cell, x = scale.x(col), y = scale.y(row), radius = scale.mark;
   const missed = panel.plan.scouting && panel.plan.scouting.missed.includes(victim.id);
   const needs = needsAt(victim, scene.t), wedge = TURN / Math.max(needs.length, 1);
+  if (!isKnown(victim, scene.t)) {
+    pen.setLineDash([3, 3]);
+    ring(pen, x, y, radius, scene.colours.faint);
+    pen.setLineDash([]);
+    panel.marks.push({ x, y, radius: radius + 3, victim });
+    return;
+  }
+  const age = victim.appears > 0 ? (scene.t - victim.appears) / (REPLAN_SHARE * scene.horizon) : 1;
+  if (age < 1) ring(pen, x, y, radius + 4 + 14 * age, scene.colours.sight);
   disc(pen, x, y, radius + scale.casing, scene.colours.casing);
   disc(pen, x, y, radius, scene.colours.paper);
   needs.forEach((need, i) => {
@@ -194,13 +250,16 @@ function drawRobot(pen, panel, robot, now, scene, scale) {
   const y = scale.y(now.point[0]) + (stands ? scale.mark + 7 : 0);  // below the victim that it is at
   pen.globalAlpha = scene.robot === null || scene.robot === robot.id ? 1 : 0.35;
   let radius = Math.max(0.9 * scale.mark, 4);
+  const isLost = now.state === "lost", { paper, faint, red } = scene.colours;
   if (scale.cell < 8) {
     disc(pen, x, y, radius + 2, scene.colours.casing);
-    disc(pen, x, y, radius, robot.colour);
+    disc(pen, x, y, radius, isLost ? faint : robot.colour);
     ring(pen, x, y, radius, "#202020");
   } else {
-    radius = badge(pen, `R${robot.id}`, x, y, robot.colour, robot.ink, Math.min(radius, 10), scene);
+    const size = Math.min(radius, 10);
+    radius = badge(pen, `R${robot.id}`, x, y, isLost ? faint : robot.colour, isLost ? paper : robot.ink, size, scene);
   }
+  if (isLost) cross(pen, x + radius, y - 6, 5, red, 2.5);  // beside the name
   pen.globalAlpha = 1;
   panel.marks.push({ x, y, radius: radius + 3, robot });
 }
@@ -271,6 +330,17 @@ function ring(pen, x, y, radius, colour) {
   pen.lineWidth = 1.5;
   pen.beginPath();
   pen.arc(x, y, radius, 0, TURN);
+  pen.stroke();
+}
+
+function cross(pen, x, y, half, colour, width) {
+  pen.strokeStyle = colour;
+  pen.lineWidth = width;
+  pen.beginPath();
+  pen.moveTo(x - half, y - half);
+  pen.lineTo(x + half, y + half);
+  pen.moveTo(x + half, y - half);
+  pen.lineTo(x - half, y + half);
   pen.stroke();
 }
 

@@ -6,13 +6,13 @@ plans.forEach(unpackPlan);
 
 const calm = matchMedia("(prefers-reduced-motion: reduce)"), nightfall = matchMedia("(prefers-color-scheme: dark)");
 const SECONDS = { mission: 40, scouting: 15 }, SAY_EVERY = 2500, CALM_EVERY = 1200;
-const horizon = Math.max(...plans.map((plan) => plan.makespan));
+const horizon = Math.max(...plans.map((plan) => Math.max(plan.makespan, plan.run ? plan.run.end : 0)));
 const steps = Math.max(...plans.map((plan) => (plan.scouting ? plan.scouting.steps : -1)));
 const most = Math.max(...plans.map((plan) => plan.robots.length));
 const state = {
   phase: steps >= 0 ? "scouting" : "mission", t: 0, step: 0, playing: false, robot: null, victim: null,
   theme: nightfall.matches ? "dark" : "light", last: 0, said: 0, saidAt: 0,
-  layers: { trails: most > 12 ? "recent" : "all", ahead: false, clusters: false, stages: new Map() },
+  layers: { trails: most > 12 ? "recent" : "all", ahead: false, clusters: false, replans: true, stages: new Map() },
 };
 const stageNames = [...new Map(plans.flatMap((plan) => plan.stages.map((s) => [s.name, s.title])))];
 const panels = plans.map(makePanel);
@@ -28,7 +28,8 @@ function makePanel(plan) {
   section.querySelector("h2").textContent = `${plan.label}: ${figures}`;
   map.setAttribute("aria-label", `Map of ${plan.name}; the tables of robots and victims say what it shows`);
   gantt.setAttribute("aria-label", "Timeline of the robots; the table of robots and the details say what it shows");
-  const [robots, victims] = section.querySelectorAll("tbody");
+  const [robots, victims, events] = section.querySelectorAll("tbody");
+  if (plan.run) listEvents(plan, section, events);
   panel.robotRows = plan.robots.map((robot) => row(robots, `R${robot.id}`, robot.colour, 2, () => select(robot.id, null)));
   panel.victimRows = plan.victims.map((victim) => row(victims, `v${victim.id}`, null, 1, () => select(null, victim.id)));
   plan.robots.forEach((robot, i) => { panel.robotRows[i].dataset.robot = robot.id; });
@@ -39,6 +40,18 @@ function makePanel(plan) {
   byId("plans").append(section);
   listen(panel);
   return panel;
+}
+
+/* What happened in a run, and what each decision changed; a tap goes there. */
+function listEvents(plan, section, body) {
+  section.querySelector(".events").hidden = false;
+  section.querySelectorAll(".robots th")[2].textContent = "served";
+  for (const [time, text, number] of plan.run.events) {
+    const line = row(body, short(+time.toFixed(2)), null, 1, () => { state.phase = "mission"; go(time); });
+    line.dataset.time = time;
+    const texts = number === null ? [text] : [text, ...decisionLines(plan, plan.run.decisions[number])];
+    lines(line.cells[1], texts);
+  }
 }
 
 function row(body, name, colour, cells, chosen) {
@@ -354,6 +367,8 @@ byId("trails").value = state.layers.trails;
 byId("trails").onchange = (event) => { state.layers.trails = event.target.value; show(); };
 byId("ahead").onchange = (event) => { state.layers.ahead = event.target.checked; show(); };
 byId("clusters-label").hidden = !plans.some((plan) => plan.clusters.length);
+byId("replans-label").hidden = !plans.some((plan) => plan.run && plan.run.decisions.length);
+byId("replans").onchange = (event) => { state.layers.replans = event.target.checked; show(); };
 byId("clusters").onchange = (event) => { state.layers.clusters = event.target.checked; show(); };
 for (const [name, title] of stageNames) {
   const label = document.createElement("label"), box = document.createElement("input");

@@ -9,12 +9,15 @@ from collections.abc import Sequence
 from functools import cache, cached_property
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from ...mission.errors import InputError
 from ...mission.files import write_text
 from ...mission.plan import Plan
+from ...mission.run import Run
 from ..titles import says
 from .data import document
+from .run_data import document_of_run
 
 SCRIPTS = ("state.js", "draw.js", "timeline.js", "words.js", "page.js")
 MOST_PLANS = 2
@@ -23,16 +26,17 @@ FRAME_HEIGHT = 760
 
 
 class Replay:
-    """One plan, or two in step side by side, from scouting to the last robot's last service.
+    """A plan or a run, or two in step side by side, from scouting to the last robot's last service.
 
     In a notebook it shows itself; `save` writes it as a file for any browser, or as a film.
 
     Parameters
     ----------
-    plans : sequence of Plan
-        One or two.
+    plans : sequence of Plan or Run
+        One or two. A run has events, and what was decided on the way.
     labels : sequence of str, optional
-        What each is called; by default who planned it, behind A and B where there are two.
+        What each is called; by default who planned it, or the run's policy, behind A and B where there
+        are two.
 
     Raises
     ------
@@ -40,7 +44,7 @@ class Replay:
         If there are more plans, or a walk in one is none.
     """
 
-    def __init__(self, plans: Sequence[Plan], labels: Sequence[str] | None = None) -> None:
+    def __init__(self, plans: Sequence[Plan | Run], labels: Sequence[str] | None = None) -> None:
         self.plans = tuple(plans)
         if not 1 <= len(self.plans) <= MOST_PLANS:
             raise InputError(f"{len(self.plans)} plans; give one or two", field="plans")
@@ -49,7 +53,7 @@ class Replay:
             labels = names if len(names) == 1 else [f"A: {names[0]}", f"B: {names[1]}"]
         self.labels = tuple(labels)
         self._data = [
-            {"label": label, **document(plan)}
+            {"label": label, **_document(plan)}
             for label, plan in zip(self.labels, self.plans, strict=True)
         ]
 
@@ -82,7 +86,10 @@ class Replay:
         elif suffix.lower() in (".gif", ".mp4"):
             from .film import save_film
 
-            save_film(self.plans, self.labels, path)
+            plans = [plan for plan in self.plans if isinstance(plan, Plan)]
+            if len(plans) < len(self.plans):
+                raise InputError("a film is of plans; write a run as .html", file=path)
+            save_film(plans, self.labels, path)
         else:
             raise InputError(
                 f"unknown format {suffix!r}; the suffix is one of .html, .gif, .mp4", file=path
@@ -97,23 +104,27 @@ class Replay:
         )
 
     def _title(self) -> str:
-        names = dict.fromkeys(plan.instance.name or "unnamed mission" for plan in self.plans)
+        names = dict.fromkeys(data["name"] for data in self._data)
         return f"{' and '.join(names)} · {' and '.join(self.labels)}"
 
 
+def _document(plan: Plan | Run) -> dict[str, Any]:
+    return document_of_run(plan) if isinstance(plan, Run) else document(plan)
+
+
 def plot_replay(
-    plan: Plan, beside: Plan | None = None, *, labels: Sequence[str] | None = None
+    plan: Plan | Run, beside: Plan | Run | None = None, *, labels: Sequence[str] | None = None
 ) -> Replay:
-    """A replay of `plan`, or of two plans in step side by side.
+    """A replay of `plan`, or of two in step side by side.
 
     Parameters
     ----------
-    plan : Plan
-        Of any planner.
-    beside : Plan, optional
+    plan : Plan or Run
+        Of any planner, or of any policy.
+    beside : Plan or Run, optional
         Another, for the same mission or another one.
     labels : sequence of str, optional
-        What each plan is called; by default who planned it.
+        What each is called; by default who planned it, or the run's policy.
 
     Returns
     -------

@@ -1,5 +1,6 @@
-/* What is where at a time: the plan's walks, visits and sights, unpacked. Nothing here draws.
-   Cells are [row, column]; times are the plan's; `f` counts cells along a walk. */
+/* What is where at a time: the walks, visits and sights of a plan or a run, unpacked. Nothing here draws.
+   Cells are [row, column]; times are the plan's; `f` counts cells along a walk. A run's visits are of one
+   kind each, and its walks are given apart, for robots also wait. */
 
 const STEPS = { R: [0, 1], D: [1, 0], L: [0, -1], U: [-1, 0], S: [0, 0] };
 const ROUNDING = 1e-9;
@@ -41,34 +42,91 @@ function unpackPlan(plan, number) {
   plan.victims.forEach((victim) => { victim.visits = []; });
   plan.events = [];
   for (const robot of plan.robots) {
-    let here = robot.start, clock = 0;
+    if (plan.run) unpackTrack(plan, robot);
+    else unpackRoute(robot);
     for (const visit of robot.visits) {
-      visit.path = unpackWalk(here, visit.walk);
-      visit.begin = clock;
       visit.robot = robot;
-      here = visit.path.end;
-      clock = visit.departure;
       plan.victims[visit.victim].visits.push(visit);
       plan.events.push({ time: visit.arrival, visit, done: false });
       plan.events.push({ time: visit.departure, visit, done: true });
     }
-    robot.backPath = unpackWalk(here, robot.back);
-    robot.done = clock;
   }
+  if (plan.run) unpackRun(plan);
   plan.events.sort((a, b) => a.time - b.time);
   if (plan.scouting) unpackScouting(plan);
 }
 
+/* A robot of a plan: from visit to visit without a pause, and back. */
+function unpackRoute(robot) {
+  let here = robot.start, clock = 0;
+  robot.legs = [];
+  for (const visit of robot.visits) {
+    visit.path = unpackWalk(here, visit.walk);
+    robot.legs.push({ path: visit.path, begin: clock, end: visit.arrival, visit });
+    here = visit.path.end;
+    clock = visit.departure;
+  }
+  if (robot.back) robot.legs.push({ path: unpackWalk(here, robot.back), begin: clock, end: robot.home, visit: null, isBack: true });
+}
+
+/* A robot of a run: walks with their times, each to the visit that began at its end, or to none. */
+function unpackTrack(plan, robot) {
+  let here = robot.start;
+  for (const visit of robot.visits) visit.path = unpackWalk(plan.victims[visit.victim].cell, "");
+  robot.legs = robot.walks.map(([begin, end, code, to]) => {
+    const leg = { path: unpackWalk(here, code), begin, end, visit: to === null ? null : robot.visits[to] };
+    here = leg.path.end;
+    if (leg.visit) leg.visit.path = leg.path;
+    return leg;
+  });
+}
+
+/* What a run has beside its robots: events, and what each robot was to do from which time on. */
+function unpackRun(plan) {
+  const { run } = plan;
+  for (const [time, text] of run.events) plan.events.push({ time, text });
+  plan.robots.forEach((robot, i) => {
+    robot.queues = [{ time: 0, victims: run.planned[i] }];
+    for (const decision of run.decisions) {
+      const own = decision.queues.find(([number]) => number === i);
+      if (own) robot.queues.push({ time: decision.time, victims: own[2] });
+    }
+  });
+}
+
+/* The victims that a robot of a run is still to visit at time t, as the last decision had it. */
+function queueAt(robot, t) {
+  const queue = robot.queues.findLast((x) => x.time <= t);
+  const begun = new Set(robot.visits.filter((v) => v.arrival >= queue.time && v.arrival <= t).map((v) => v.victim));
+  return robot.lost !== null && robot.lost <= t ? [] : queue.victims.filter((victim) => !begun.has(victim));
+}
+
+/* Whether a victim is known at time t; in a run some turn up, or never do. */
+function isKnown(victim, t) {
+  return victim.appears === undefined || (victim.appears !== null && victim.appears <= t);
+}
+
+/* The cells of a run that events have changed by time t, and whether robots know. */
+function changesAt(plan, t) {
+  const now = new Map();
+  if (plan.run) for (const [time, row, col, free] of plan.run.changes) if (time <= t) now.set(`${row},${col}`, { row, col, free, time });
+  for (const change of now.values()) {
+    change.noticed = plan.run.noticed.some(([time, row, col]) => row === change.row && col === change.col && time >= change.time && time <= t);
+  }
+  return [...now.values()];
+}
+
 /* What a robot does at time t, and where. */
 function robotAt(robot, t) {
-  for (const [i, visit] of robot.visits.entries()) {
-    if (t < visit.arrival) return { state: "walking", visit, visits: i, ...along(visit.path, t, visit.begin, visit.arrival) };
-    if (t < visit.departure) return { state: "serving", visit, visits: i, ...along(visit.path, 1, 0, 0) };
-  }
-  const visits = robot.visits.length;
-  if (!visits) return { state: "unused", visits, ...along(robot.backPath, 1, 0, 0) };
-  if (t < robot.home) return { state: "returning", visits, ...along(robot.backPath, t, robot.done, robot.home) };
-  return { state: "finished", visits, ...along(robot.backPath, 1, 0, 0) };
+  const visits = robot.visits.filter((v) => v.departure <= t && !v.cut).length;
+  const past = robot.legs.findLast((leg) => leg.begin <= t), next = robot.legs.find((leg) => t < leg.end);
+  const here = past ? along(past.path, t, past.begin, past.end) : along(unpackWalk(robot.start, ""), 1, 0, 0);
+  if (typeof robot.lost === "number" && robot.lost <= t) return { state: "lost", visits, ...here };
+  const serving = robot.visits.find((v) => v.arrival <= t && t < v.departure);
+  if (serving) return { state: "serving", visit: serving, visits, ...along(serving.path, 1, 0, 0) };
+  if (next && next.begin <= t) return { state: next.isBack ? "returning" : "walking", visit: next.visit, visits, ...here };
+  if (next || robot.visits.some((v) => t < v.arrival)) return { state: "waiting", visits, ...here };
+  return { state: robot.legs.length || robot.visits.length ? "finished" : "unused", visits, ...here };
 }
 
 function along(path, t, begin, end) {
@@ -80,8 +138,11 @@ function along(path, t, begin, end) {
 /* Of each need of a victim: "served", "serving" or "open", by which visit, and how much of it is done. */
 function needsAt(victim, t) {
   return victim.needs.map((kind) => {
-    const visit = victim.visits.find((v) => v.kinds.includes(kind));
-    if (!visit || t < visit.arrival) return { kind, state: kind in victim.unserved ? "unserved" : "open", visit, share: 0 };
+    const tries = victim.visits.filter((v) => v.kinds.includes(kind)).sort((a, b) => a.arrival - b.arrival);
+    const visit = tries.findLast((v) => v.arrival <= t) || tries[0];
+    const since = victim.since && kind in victim.since ? victim.since[kind] : 0;
+    const state = kind in victim.unserved && since <= t ? "unserved" : "open";
+    if (!visit || t < visit.arrival || (visit.cut && t >= visit.departure)) return { kind, state, visit, share: 0 };
     if (t >= visit.departure) return { kind, state: "served", visit, share: 1 };
     return { kind, state: "serving", visit, share: (t - visit.arrival) / (visit.departure - visit.arrival) };
   });

@@ -22,10 +22,9 @@ function drawGantt(panel, scene) {
     }
     if (tall >= 10 || scene.robot === robot.id) badge(pen, `R${robot.id}`, GUTTER / 2 - 2, middle, robot.colour, robot.ink, 8, scene);
     pen.fillStyle = robot.colour;
-    if (robot.visits.length) {
-      pen.globalAlpha = 0.35;
-      pen.fillRect(time.x(0), top + 0.36 * tall, time.x(robot.home) - time.x(0), 0.28 * tall);
-    }
+    const moves = plan.run ? robot.legs.map((leg) => [leg.begin, leg.end]) : robot.visits.length ? [[0, robot.home]] : [];
+    pen.globalAlpha = 0.35;
+    for (const [begin, end] of moves) pen.fillRect(time.x(begin), top + 0.36 * tall, time.x(end) - time.x(begin), 0.28 * tall);
     for (const visit of robot.visits) {
       const x = time.x(visit.arrival), wide = Math.max(time.x(visit.departure) - x, 1.5);
       pen.globalAlpha = scene.layers.stages.has(visit.stage) ? 1 : 0.2;
@@ -44,10 +43,19 @@ function drawGantt(panel, scene) {
         pen.fillText(name, x + wide / 2, middle + 0.5);
       }
       panel.bars.push({ x, wide, top, tall, visit });
+      if (visit.cut) {
+        pen.strokeStyle = scene.colours.red;
+        pen.lineWidth = 1.5;
+        pen.strokeRect(x, top + 0.1 * tall, wide, 0.8 * tall);
+      }
     }
     pen.globalAlpha = 1;
+    if (typeof robot.lost === "number") cross(pen, time.x(robot.lost), middle, Math.min(0.35 * tall, 5), scene.colours.red, 2);
   });
   drawAxis(pen, time, scene.horizon, height, scene);
+  pen.strokeStyle = scene.colours.sight;
+  pen.lineWidth = 1.5;
+  for (const decision of plan.run ? plan.run.decisions : []) upright(pen, time.x(decision.time), height - AXIS);
   pen.strokeStyle = faint;
   pen.setLineDash([4, 3]);
   upright(pen, time.x(plan.makespan), height - AXIS);

@@ -11,9 +11,11 @@ function names(plan, kinds) {
 function doing(plan, now) {
   const victim = now.visit && plan.victims[now.visit.victim].id;
   return {
-    walking: () => `walking to v${victim}`,
+    walking: () => (now.visit ? `walking to v${victim}` : "walking"),
     serving: () => `serving v${victim}: ${names(plan, now.visit.kinds)}`,
     returning: () => "walking back to its start",
+    waiting: () => "waiting",
+    lost: () => "lost",
     finished: () => "finished",
     unused: () => "not used",
   }[now.state]();
@@ -40,12 +42,15 @@ function foundSaid(plan, victim, step) {
 }
 
 function robotLines(plan, robot, t) {
-  const now = robotAt(robot, t);
+  const now = robotAt(robot, t), to = (victims) => victims.map((v) => `v${plan.victims[v].id}`).join(" → ") || "none";
+  const been = robot.visits.map((v) => v.victim).filter((v, i, all) => v !== all[i - 1]);
   return [
     `Robot ${robot.id}: ${doing(plan, now)}`,
     `at row ${now.cell[0]}, column ${now.cell[1]}; ${short(robot.speed)} cells per time unit`,
     `can: ${names(plan, robot.can) || "nothing"}`,
-    `visits: ${robot.visits.map((v) => `v${plan.victims[v.victim].id}`).join(" → ") || "none"}; done at ${short(robot.home)}`,
+    ...(robot.queues ? [`to come: ${to(queueAt(robot, t))}`] : []),
+    `visits: ${to(been)}; done at ${short(robot.home)}`,
+    ...(typeof robot.lost === "number" ? [`lost at ${short(robot.lost)}`] : []),
   ];
 }
 
@@ -53,7 +58,7 @@ function victimLines(plan, victim, t) {
   const lines = [
     `Victim ${victim.id} at row ${victim.cell[0]}, column ${victim.cell[1]}`,
     ...needsAt(victim, t).map((need) => {
-      const when = need.visit ? ` (${plan.stages[need.visit.stage].name}, ${span(need.visit)})` : "";
+      const when = need.visit && (need.state !== "open" || !plan.run) ? ` (${plan.stages[need.visit.stage].name}, ${span(need.visit)})` : "";
       return needSaid(plan, need, victim) + when;
     }),
   ];
@@ -61,6 +66,7 @@ function victimLines(plan, victim, t) {
   if (victim.priority !== 1) lines.push(`priority ${short(victim.priority)}`);
   const found = plan.scouting && plan.scouting.found.get(victim.id);
   if (found) lines.push(`found by scout ${found.scout} at step ${found.step}`);
+  if (victim.turnedUp) lines.push(victim.turnedUp);
   return lines;
 }
 
@@ -74,12 +80,21 @@ function visitLines(plan, visit) {
     `${span(visit)}: ${names(plan, visit.kinds)}`,
     `decided by ${plan.stages[visit.stage].title}`,
     `${count(visit.path.length, "cell")} walked to it`,
+    ...(visit.cut ? ["cut short, for the robot was lost"] : []),
   ];
 }
 
 function eventSaid(plan, event) {
+  if (event.text) return event.text;
   const { visit } = event, who = `R${visit.robot.id}`, victim = `v${plan.victims[visit.victim].id}`;
+  if (event.done && visit.cut) return `${who} is lost while it serves ${victim}`;
   return event.done ? `${who} has served ${names(plan, visit.kinds)} at ${victim}` : `${who} reaches ${victim}`;
+}
+
+/* What a decision of a run changed, robot by robot. */
+function decisionLines(plan, decision) {
+  const to = (victims) => victims.map((v) => `v${plan.victims[v].id}`).join(" ") || "nothing";
+  return decision.queues.map(([i, before, after]) => `R${plan.robots[i].id}: ${to(before)} became ${to(after)}`);
 }
 
 /* What the plan has come to at time t, in a sentence or two. */
@@ -89,12 +104,12 @@ function summary(plan, t) {
   if (now.length <= 8) return `${said}. ${now.map(([robot, at]) => `R${robot.id} ${doing(plan, at)}`).join("; ")}.`;
   const counts = {};
   for (const [, at] of now) counts[at.state] = (counts[at.state] || 0) + 1;
-  const titles = { walking: "walking", serving: "serving", returning: "walking back", finished: "finished", unused: "not used" };
+  const titles = { walking: "walking", serving: "serving", returning: "walking back", waiting: "waiting", lost: "lost", finished: "finished", unused: "not used" };
   return `${said}. Robots: ${Object.keys(titles).filter((x) => counts[x]).map((x) => `${counts[x]} ${titles[x]}`).join(", ")}.`;
 }
 
 function served(plan, t) {
-  return plan.robots.reduce((sum, robot) => sum + robot.visits.reduce((n, v) => n + (t >= v.departure ? v.kinds.length : 0), 0), 0);
+  return plan.robots.reduce((sum, robot) => sum + robot.visits.reduce((n, v) => n + (t >= v.departure && !v.cut ? v.kinds.length : 0), 0), 0);
 }
 
 function scoutingSummary(plan, step) {

@@ -1,0 +1,136 @@
+"""Runs shown: in a replay and in a picture is what happened, by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.browser import PROGRAM, WITHOUT, Browser
+from support.small_run import small_plan, small_run
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.run import Decision, Event, Queue, Queued, Run
+from msmrta_opt.plots.replay.run_data import document_of_run
+from msmrta_opt.plots.run import walked
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return small_run()
+
+
+@pytest.fixture(scope="module")
+def decided(run: Run) -> Run:
+    """The run in which robot 1 is given victim 30, too, at 2.5."""
+    decision = Decision(
+        time=2.5,
+        before=(Queue(robot=1, visits=(Queued(victim=10, served=("A",)),)),),
+        after=(Queue(robot=1, visits=tuple(Queued(victim=v, served=("A",)) for v in (10, 30))),),
+        changed=0,
+    )
+    events = (*run.events, Event(time=2.5, what="decided"))
+    return run.model_copy(update={"decisions": (decision,), "events": events})
+
+
+def test_the_data_of_a_run_says_where_robots_were_and_what_came(run: Run) -> None:
+    data = document_of_run(run)
+    one, two = data["robots"]
+    assert one["walks"] == [(0.0, 3.0, "R3", 0)]
+    assert [(v["victim"], v["arrival"], v["departure"], v["cut"]) for v in one["visits"]] == [
+        (0, 3, 5, False)
+    ]
+    assert two["walks"] == [(0.0, 2.0, "L2", None)]
+    assert (one["lost"], two["lost"], two["visits"]) == (None, 2.5, [])
+    assert [victim["appears"] for victim in data["victims"]] == [0, 0, 1.5]
+    assert [list(victim["unserved"].values()) for victim in data["victims"]] == [
+        [], ["was not served"], ["was not served"],
+    ]  # fmt: skip
+    assert data["run"]["changes"] == [[4.0, 1, 0, False]]
+    assert [text for _, text, _ in data["run"]["events"]] == [
+        "v30 is announced", "R2 is lost at row 1, column 3", "row 1, column 0 is blocked",
+    ]  # fmt: skip
+
+
+def test_a_decision_is_told_by_the_queues_that_it_changed(decided: Run) -> None:
+    told = document_of_run(decided)["run"]
+    assert told["planned"] == [[0], [1]]
+    assert [(x["time"], x["queues"]) for x in told["decisions"]] == [(2.5, [(0, [0], [0, 2])])]
+    assert [number for *_, number in told["events"]].count(0) == 1
+
+
+def test_what_was_walked_is_drawn_as_a_plan(run: Run) -> None:
+    one, two = walked(run).routes
+    assert [(v.victim, v.served, v.arrival, v.departure) for v in one.visits] == [
+        (10, ("A",), 3.0, 5.0)
+    ]
+    assert one.cells == [(0, 0), (0, 1), (0, 2), (0, 3)]
+    assert (two.visits, two.cells) == ((), [(1, 5), (1, 4), (1, 3)])
+    assert [victim.id for victim in walked(run).instance.victims] == [10, 20, 30]
+
+
+def test_the_picture_of_a_run_says_what_it_shows(run: Run) -> None:
+    figure = run.plot()
+    said = {text.get_text() for text in figure.findobj(match=lambda x: hasattr(x, "get_text"))}
+    for expected in ("a robot was lost", "a cell was blocked", "turned up on the way"):
+        assert expected in said
+    assert any(text.startswith("1 of 3 available requirements served") for text in said)
+
+
+def test_no_film_of_a_run_is_begun(run: Run, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"run.gif: a film is of plans; write a run as .html"):
+        run.replay().save(tmp_path / "run.gif")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(PROGRAM is None, reason=WITHOUT)
+def test_a_page_plays_two_runs_in_step(run: Run, decided: Run, tmp_path: Path) -> None:
+    decided.replay(run).save(tmp_path / "page.html")
+    browser = Browser(tmp_path / "profile")
+    try:
+        found: dict[float, list[dict[str, Any]]] = {}
+        for t in (1, 2.75, 4.5, 5):
+            browser.open(tmp_path / "page.html", at=f"t={t}", width=400)
+            rows = "[...document.querySelectorAll('[data-robot]')].map((x) => ({...x.dataset}))"
+            found[t] = browser.run(rows)
+            assert browser.run("document.documentElement.scrollWidth") == 400
+        opened = "document.querySelectorAll('details').forEach((x) => { x.open = true; });"
+        shown = "[...document.querySelectorAll('.events tbody')].map((x) => x.innerText)"
+        events = browser.run(f"{opened} {shown}")
+        victims = browser.run(
+            "[...document.querySelectorAll('[data-victim]')].map((x) => x.dataset.unserved)"
+        )
+        assert browser.complaints == []
+    finally:
+        browser.close()
+    state = {t: [(row["cell"], row["state"]) for row in rows[:2]] for t, rows in found.items()}
+    assert state == {
+        1: [("0,1", "walking"), ("1,4", "walking")],
+        2.75: [("0,2", "walking"), ("1,3", "lost")],
+        4.5: [("0,3", "serving"), ("1,3", "lost")],
+        5: [("0,3", "finished"), ("1,3", "lost")],
+    }
+    assert all(rows[:2] == rows[2:] for rows in found.values())
+    assert "R1: v10 became v10 v30" in events[0]
+    assert "became" not in events[1]
+    assert victims[:3] == ["[]", '["A"]', '["A"]']
+
+
+def test_the_command_replays_a_run_and_no_run_that_does_not_hold(
+    run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from msmrta_opt import cli
+
+    run.save(tmp_path / "run.json")
+    small_plan().save(tmp_path / "plan.json")
+    page = str(tmp_path / "both.html")
+    assert (
+        cli.run(["replay", str(tmp_path / "plan.json"), str(tmp_path / "run.json"), "-o", page])
+        == 0
+    )
+    wrong = run.model_copy(update={"services": ()})
+    wrong.save(tmp_path / "wrong.json")
+    capsys.readouterr()
+    assert cli.run(["replay", str(tmp_path / "wrong.json"), "-o", str(tmp_path / "x.html")]) == 1
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert not (tmp_path / "x.html").exists()
