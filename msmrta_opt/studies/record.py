@@ -39,7 +39,7 @@ class Record:
     contender: str = ""
     """Who was run, in the study's own words; records of one contender are compared over instances."""
     method: str = "formulation"
-    """``planner`` or ``formulation``."""
+    """``planner``, ``formulation``, or ``execution`` of a planner's plan by a policy."""
     planner: str | None = None
     stage: str | None = None
     model: str | None = None
@@ -70,8 +70,14 @@ class Record:
     n_rows: int | None = None
     solver_version: str | None = None
 
+    scenario: str = ""
+    """Under which a plan was executed."""
+    policy: str | None = None
+    executions_json: str = "{}"
+    """What came of each seed: ``seeds`` and, by metric of runs, a list with a value for each."""
+
     metrics_json: str = "{}"
-    """The metrics of a plan by name; a table has a column for each."""
+    """The metrics of a plan by name, or means over runs; a table has a column for each."""
     plan_digest: str | None = None
     """Of the plan without its planning times: equal for equal plans."""
 
@@ -98,6 +104,12 @@ class Record:
     def metrics(self) -> dict[str, float]:
         """The metrics of the plan, by name; none where there is no plan."""
         found: dict[str, float] = json.loads(self.metrics_json)
+        return found
+
+    @property
+    def executions(self) -> dict[str, list[float]]:
+        """`executions_json`, read."""
+        found: dict[str, list[float]] = json.loads(self.executions_json)
         return found
 
     @property

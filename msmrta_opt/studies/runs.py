@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
+from ..execution.policies import policy_of
 from ..mission.errors import InputError, ModelError
 from ..mission.instance import Instance
+from ..mission.scenario import Scenario
 from ..mission.suggestions import meant
 from ..mission.validation import said_of
 from ..optimise import registry, solvers
@@ -17,11 +20,21 @@ from ..optimise.solve import AUTO
 from ..planners import check_options, planners
 from ..planners.support.planner import versions
 from ..stages.options import options_type
+from .executing import Executing
 from .missions import Known, Mission, digest_of, missions
 from .record import Record
-from .specification import FormulationTable, PlannerTable, Scalar, Study, Timing
-from .tasks import Planning, Solving, Task, add_folders, folders_of_models, solving_tasks
+from .specification import (
+    FormulationTable,
+    PlannerTable,
+    PolicyTable,
+    Scalar,
+    Study,
+    Timing,
+)
+from .tasks import Planning, Solving, add_folders, folders_of_models, solving_tasks
 
+Task = Planning | Solving | Executing
+"""What a run does."""
 SOLVING = ("solver_seed", "time_limit", "gap")
 """Options of a formulation's table that are its solver's."""
 
@@ -76,7 +89,10 @@ def runs(study: Study, known: Known | None = None) -> list[Run]:
     """
     try:
         add_folders(str(study.path.parent / folder) for folder in study.models)
-        contenders = [*_planners(study.planners), *_formulations(study.formulations)]
+        planned = list(_planners(study.planners))
+        if study.policies:
+            planned = list(_executions(study, planned))
+        contenders = [*planned, *_formulations(study.formulations)]
         _check_labels(contenders, study.report.baseline)
         return combined(missions(study, known or {}), contenders, study.timing)
     except InputError as error:
@@ -157,6 +173,64 @@ def _planners(tables: Iterable[PlannerTable]) -> Iterator[Contender]:
             raise said_of(field, error) from None
 
 
+def _executions(study: Study, planned: Sequence[Contender]) -> Iterator[Contender]:
+    """Every planner's plan under every scenario by every policy."""
+    scenarios = list(_scenarios(study))
+    policies = list(_policies(study.policies))
+    for made, scenario, policy in product(planned, scenarios, policies):
+        assert isinstance(made.task, Planning)
+        task = Executing(made.task, policy.name, policy.options, *scenario)
+        labels = [policy.label] if len(planned) == 1 else [made.label, policy.label]
+        what = {
+            "policy": policy.name,
+            "policy_options": policy.options,
+            "scenario": scenario[0].model_dump(mode="json"),
+            "runs": scenario[1],
+        }
+        yield replace(
+            made, label=", ".join(labels), task=task, what={**made.what, **what}, field=policy.field
+        )
+
+
+def _scenarios(study: Study) -> Iterator[tuple[Scenario, int]]:
+    """The scenarios, each with how often plans are executed; a nameless one takes its file's name."""
+    seen: dict[str, str] = {}
+    for i, table in enumerate(study.scenarios):
+        for file in table.file:
+            try:
+                read = Scenario.read(study.path.parent / file)
+            except InputError as error:
+                raise said_of(f"scenarios[{i}]", error) from None
+            named = read if read.name else read.model_copy(update={"name": Path(file).stem})
+            if named.name in seen:
+                raise InputError(
+                    f"{named.name!r} is also the name of {seen[named.name]}; names tell rows apart",
+                    field=f"scenarios[{i}].file",
+                )
+            seen[named.name] = file
+            yield named, table.runs
+
+
+@dataclass(frozen=True)
+class _Policy:
+    label: str
+    name: str
+    options: Mapping[str, Any]
+    field: str
+
+
+def _policies(tables: Iterable[PolicyTable]) -> Iterator[_Policy]:
+    for i, table in enumerate(tables):
+        field = f"policies[{i}]"
+        try:
+            for words, options in _combinations(table.axes()):
+                policy_of(table.policy, options)
+                label = ", ".join([table.name or table.policy, *words])
+                yield _Policy(label, table.policy, options, field)
+        except InputError as error:
+            raise said_of(field, error) from None
+
+
 def _formulations(tables: Iterable[FormulationTable]) -> Iterator[Contender]:
     for i, table in enumerate(tables):
         field = f"formulations[{i}]"
@@ -222,16 +296,16 @@ def _combinations(
 
 
 def _check_labels(contenders: Sequence[Contender], baseline: str | None) -> None:
-    seen: dict[tuple[str, object], str] = {}
+    seen: dict[tuple[object, ...], str] = {}
     for contender in contenders:
-        seed = contender.what["options"].get("seed")
-        if (contender.label, seed) in seen:
+        scenario = contender.what.get("scenario", {}).get("name", "")
+        one = contender.label, contender.what["options"].get("seed"), scenario
+        if one in seen:
             raise InputError(
-                f"{contender.label!r} is also in {seen[contender.label, seed]};"
-                " give one of them a name of its own",
+                f"{contender.label!r} is also in {seen[one]}; give one of them a name of its own",
                 field=contender.field,
             )
-        seen[contender.label, seed] = contender.field
+        seen[one] = contender.field
     labels = dict.fromkeys(contender.label for contender in contenders)
     if baseline is not None and baseline not in labels:
         raise InputError(

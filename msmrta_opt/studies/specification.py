@@ -106,6 +106,21 @@ class PlannerTable(_Options):
     planner: str = "msmrta"
 
 
+class ScenarioTable(_Table):
+    """What may happen while plans are executed: scenario files, from the study's folder."""
+
+    file: Texts
+    runs: PositiveInt = 100
+    """How often each plan is executed by each policy: with the seeds from 0 on."""
+
+
+class PolicyTable(_Options):
+    """What to do when something happens: a policy, with its options."""
+
+    name: str | None = None
+    policy: str = "keep"
+
+
 class FormulationTable(_Options):
     """Formulations of a stage × solvers; further options are those of the stages before."""
 
@@ -162,6 +177,9 @@ class Study(_Table):
     """Folders of formulations of one's own, from the study's folder."""
     planners: list[PlannerTable] = []
     formulations: list[FormulationTable] = []
+    scenarios: list[ScenarioTable] = []
+    """With policies, each planner's plan is executed under each; it is not only made."""
+    policies: list[PolicyTable] = []
     limits: Limits = Limits()
     timing: Timing = Timing()
     report: ReportTable = ReportTable()
@@ -184,6 +202,11 @@ class Study(_Table):
             raise InputError(
                 "nothing to run; give [[planners]] or [[formulations]]", field="planners"
             )
+        for one, other in (("scenarios", "policies"), ("policies", "scenarios")):
+            if getattr(self, one) and not getattr(self, other):
+                raise InputError(f"is missing; [[{one}]] need some", field=other)
+        if self.policies and not self.planners:
+            raise InputError("is missing; [[policies]] execute their plans", field="planners")
         return self
 
     @classmethod

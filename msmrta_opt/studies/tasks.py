@@ -154,9 +154,6 @@ class Solving:
         return ""
 
 
-Task = Planning | Solving
-
-
 def solving_tasks(
     *,
     stage: str,

@@ -1,10 +1,11 @@
 """The report of a study: one HTML file that needs no network, its pictures and its data beside it.
 
 `write_report` composes it from parts that a notebook can use as well: `runs` (records as a table and
-what is comparable in it), `tables`, `baseline`, `scaling`, `profile`, `heat`, `outcomes`, and `winner`
-with its `pairs`; each takes the table of runs and returns `blocks`: words, tables or pictures, in the
-page's `style`. `content` puts them in order, `render` writes the page, `folder` puts it in place,
-`text` writes names and numbers. Everything heavy is imported when one is written.
+what is comparable in it), `tables`, `baseline`, `scaling`, `profile`, `heat`, `outcomes`, `winner` with
+its `pairs`, and `policies` for what was executed; each takes the table of runs, or the records, and
+returns `blocks`: words, tables or pictures, in the page's `style`. `content` puts them in order,
+`render` writes the page, `folder` puts it in place, `text` writes names and numbers. Everything heavy
+is imported when one is written.
 """
 
 from __future__ import annotations
@@ -54,5 +55,5 @@ def write_report(
     folder = Path(folder)
     with replaced_folder(folder) as fresh:
         runs = table_of(records)
-        write_page(fresh, study, runs, sections(study, runs), expected=expected)
+        write_page(fresh, study, runs, sections(study, runs, records), expected=expected)
     return folder / PAGE

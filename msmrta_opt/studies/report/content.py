@@ -11,6 +11,7 @@ from .blocks import Block, Section, Table
 from .heat import NOTE as HEAT_NOTE
 from .heat import metric_heats, time_heat
 from .outcomes import outcome_picture
+from .policies import policy_section
 from .profile import planning_profile, solving_profile
 from .runs import METHODS, contenders, failures, of_method
 from .scaling import scaling_blocks
@@ -29,11 +30,12 @@ from .winner import who_won
 if TYPE_CHECKING:
     import pandas as pd
 
+    from ..record import Record
     from ..specification import Study
 
 
-def sections(study: Study, runs: pd.DataFrame) -> list[Section]:
-    """The sections of the report of `study`, from its runs as of `table_of`."""
+def sections(study: Study, runs: pd.DataFrame, records: Sequence[Record]) -> list[Section]:
+    """The sections of the report of `study`, from its records, and these as of `table_of`."""
     if runs.empty:
         return []
     looks = line_styles(contenders(runs))
@@ -43,6 +45,7 @@ def sections(study: Study, runs: pd.DataFrame) -> list[Section]:
     solved = of_method(runs, "formulation")
     found = [
         who_won(runs, study.report.quality, looks),
+        policy_section(records, study.report.quality),
         Section(
             "Results",
             _filled(

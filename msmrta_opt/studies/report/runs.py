@@ -37,7 +37,7 @@ def table_of(records: Sequence[Record]) -> pd.DataFrame:
         runs[name] = pd.to_numeric(runs[name])
     runs["finished"] = runs["outcome"] == FINISHED
     runs["counts"] = runs["finished"] & (
-        (runs["method"] == "planner") | (runs["status"] == "optimal")
+        (runs["method"] != "formulation") | (runs["status"] == "optimal")
     )
     return runs
 

@@ -31,6 +31,8 @@ def contender_table(runs: pd.DataFrame) -> Table:
         first = mine.iloc[0]
         if first["method"] == "planner":
             what = f"planner {first['planner']}"
+        elif first["method"] == "execution":
+            what = f"planner {first['planner']}, policy {first['policy']}"
         else:
             what = f"{first['stage']}: {first['model']} by {first['solver']}"
         rows.append(

@@ -1,0 +1,260 @@
+"""Policies compared: under each scenario what their runs come to, and pairs on the same seeds.
+
+A run that serves more wins; of runs that serve the same, the one that is better by the report's metric
+of quality. Where a policy is ``hindsight``, the others' distance from it is their regret.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy import stats
+
+from ...mission.metrics import METRICS
+from ...mission.run_metrics import RUN_METRICS
+from ...plots.lettering import plain
+from ...plots.style import INK
+from .blocks import Block, Picture, Section, Table, Words
+from .pairs import CONFIDENCE, SAME, Comparison, pairs_table
+from .runs import INSTANCE, contenders
+from .style import own_axes
+from .text import file_names
+
+if TYPE_CHECKING:
+    from ..record import Record
+
+HINDSIGHT = "hindsight"
+"""The policy that knows the world as it will be."""
+QUANTILES = (0.05, 0.5, 0.95)
+ALL_PAIRS = 4
+"""Up to so many contenders all pairs are compared; of more the first with each other."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A value with the ends of its 95 % confidence interval; NaN where they cannot be known."""
+
+    value: float
+    low: float = float("nan")
+    high: float = float("nan")
+
+
+def mean_of(values: NDArray[np.float64]) -> Interval:
+    """The mean, by Student's t; `values` of shape ``(n,)``, independent of each other."""
+    n, mean = len(values), float(values.mean()) if len(values) else float("nan")
+    if n < 2:
+        return Interval(mean)
+    half = stats.t.ppf((1 + CONFIDENCE) / 2, n - 1) * values.std(ddof=1) / np.sqrt(n)
+    return Interval(mean, mean - half, mean + half)
+
+
+def quantile_of(values: NDArray[np.float64], share: float) -> Interval:
+    """A quantile and the order statistics that hold it between them in 95 % of samples.
+
+    Whatever the distribution is: how many of n values lie below its quantile is binomial (Conover,
+    Practical Nonparametric Statistics, section 3.2). NaN where n is too small for that.
+    """
+    ordered, n = np.sort(values), len(values)
+    value = float(np.quantile(ordered, share, method="inverted_cdf"))
+    tail = (1 - CONFIDENCE) / 2
+    low = int(stats.binom.ppf(tail, n, share))  # values below it, at least, but for one tail
+    high = int(stats.binom.ppf(1 - tail, n, share)) + 1
+    is_low = low >= 1 and stats.binom.cdf(low - 1, n, share) <= tail
+    is_high = high <= n and stats.binom.sf(high - 1, n, share) <= tail
+    return Interval(
+        value,
+        float(ordered[low - 1]) if is_low else float("nan"),
+        float(ordered[high - 1]) if is_high else float("nan"),
+    )
+
+
+def seeds_of(records: Iterable[Record]) -> pd.DataFrame:
+    """A row for each seed of each record of executions, with its metrics; in the records' order."""
+    rows = []
+    for record in records:
+        if record.method != "execution" or record.failed:
+            continue
+        values = record.executions
+        for number, seed in enumerate(values["seeds"]):
+            metrics = {name: float(x[number]) for name, x in values.items() if name != "seeds"}
+            rows.append(
+                {
+                    **{name: getattr(record, name) for name in (*INSTANCE, "contender")},
+                    **{name: getattr(record, name) for name in ("scenario", "policy")},
+                    "planner_seed": record.seed,
+                    "seed": int(seed),
+                    **metrics,
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def policy_section(records: Iterable[Record], quality: str) -> Section:
+    """What policies come to under each scenario; nothing where nothing was executed."""
+    found = seeds_of(records)
+    if found.empty:
+        return Section("Policies", [])
+    groups = list(found.groupby("scenario", sort=False))
+    names = file_names([str(scenario) for scenario, _ in groups])
+    blocks: list[Block] = [
+        Words(
+            "Each plan is executed by each policy in the same worlds, one for each seed. A run that"
+            f" serves more wins; of runs that serve the same, the one with the better"
+            f" {METRICS[quality].label}."
+        ),
+        served_picture(found),
+        Table(
+            "policies", "What runs come to",
+            pd.DataFrame(
+                [row for scenario, mine in groups for row in _come_to(str(scenario), mine, quality)]
+            ),
+            f"From and to are the ends of {CONFIDENCE:.0%} confidence intervals, over runs: of a mean"
+            " by Student's t, of a quantile between order statistics, where there are runs enough."
+            " Time is that of deciding, all of a run's decisions together.",
+            {"served (%)": "more"}, within="scenario",
+        ),
+    ]  # fmt: skip
+    for scenario, mine in groups:
+        blocks += [
+            block
+            for block in (
+                _regret(str(scenario), mine, quality, names[str(scenario)]),
+                _pairs(str(scenario), mine, quality, names[str(scenario)]),
+            )
+            if block is not None
+        ]
+    return Section("Policies", blocks)
+
+
+def _come_to(scenario: str, runs: pd.DataFrame, quality: str) -> Iterator[dict[str, object]]:
+    """A row for each contender."""
+    entry = RUN_METRICS[quality]
+    for contender in contenders(runs):
+        mine = runs[runs["contender"] == contender]
+        served = mean_of(100 * mine["served_share"].to_numpy(float))
+        row: dict[str, object] = {
+            "scenario": scenario,
+            "contender": contender,
+            "instances": mine["instance"].nunique(),
+            "runs": len(mine),
+            "served (%)": served.value,
+            "from": served.low,
+            "to": served.high,
+        }
+        for share in QUANTILES:
+            found = quantile_of(mine[quality].to_numpy(float), share)
+            words = "median" if share == 0.5 else f"{100 * share:.0f} %"
+            row |= {
+                f"{entry.label}: {words}": found.value,
+                f"{words} from": found.low,
+                f"{words} to": found.high,
+            }
+        yield row | {
+            "replans": mine["replans"].mean(),
+            "changed visits": mine["changed_visits"].mean(),
+            "median time (s)": mine["deciding_seconds"].median(),
+        }
+
+
+def _compared(runs: pd.DataFrame, quality: str) -> Comparison:
+    """The contenders on every seed of every instance, as `Comparison` takes instances."""
+    rows = runs.assign(
+        instance=runs["instance"] + "\0" + runs["seed"].astype(str),
+        seconds=runs["deciding_seconds"],
+        counts=True,
+    )
+    return Comparison(rows, quality)
+
+
+def _pairs(scenario: str, runs: pd.DataFrame, quality: str, name: str) -> Table | None:
+    who = contenders(runs)
+    if len(who) < 2:
+        return None
+    found = _compared(runs, quality)
+    named = combinations(who, 2) if len(who) <= ALL_PAIRS else ((who[0], x) for x in who[1:])
+    what = METRICS[quality].label
+    data = pairs_table([found.pair(*pair) for pair in named], what, "deciding time")
+    return Table(
+        f"policies-pairs-{name}", f"In pairs, under {scenario}", data,
+        "Run by run, on the same seed of the same instance. Ratios are geometric means of contender /"
+        f" against, from and to the ends of their {CONFIDENCE:.0%} confidence interval, that of {what}"
+        " over runs that serve the same: an interval without 1 is hardly chance.",
+    )  # fmt: skip
+
+
+def _regret(scenario: str, runs: pd.DataFrame, quality: str, name: str) -> Table | None:
+    """How far each contender stays behind the one that knew all beforehand."""
+    known = [str(who) for who in runs.loc[runs["policy"] == HINDSIGHT, "contender"].unique()]
+    if not known:
+        return None
+    found = _compared(runs, quality)
+    rows = []
+    for who in (name for name in contenders(runs) if name not in known):
+        best = min(known, key=lambda name: name.partition(",")[0] != who.partition(",")[0])
+        less = 100 * (found.served[best] - found.served[who]).dropna().to_numpy(float)
+        short, pair = mean_of(less), found.pair(who, best)
+        alike = (found.served[best] - found.served[who]).abs() <= SAME
+        ratio = (found.worth[who] / found.worth[best])[alike].dropna()
+        rows.append(
+            {
+                "contender": who,
+                "against": best,
+                "runs": pair.instances,
+                "served less (points)": short.value,
+                "less from": short.low,
+                "less to": short.high,
+                "serve the same": int(alike.sum()),
+                f"{METRICS[quality].label} ratio": pair.quality.mean,
+                "from": pair.quality.low,
+                "to": pair.quality.high,
+                "highest": ratio.max() if len(ratio) else float("nan"),
+            }
+        )
+    return Table(
+        f"policies-regret-{name}", f"Regret against hindsight, under {scenario}", pd.DataFrame(rows),
+        "What is not served that hindsight serves, in points of what is available, over all runs; and"
+        " over those that serve the same, the geometric mean of the ratio, and the highest.",
+    )  # fmt: skip
+
+
+def served_picture(runs: pd.DataFrame) -> Picture:
+    """What share of the available requirements runs serve, by scenario and contender."""
+    rows = []
+    for (scenario, contender), mine in runs.groupby(["scenario", "contender"], sort=False):
+        values = 100 * mine["served_share"].to_numpy(float)
+        mean = mean_of(values)
+        rows.append(
+            {
+                "scenario": scenario,
+                "contender": contender,
+                "mean": mean.value,
+                "from": mean.low,
+                "to": mean.high,
+                "5 %": np.quantile(values, 0.05, method="inverted_cdf"),
+                "95 %": np.quantile(values, 0.95, method="inverted_cdf"),
+            }
+        )
+    data = pd.DataFrame(rows)
+    figure, ax = own_axes(6.4, 1.1 + 0.32 * len(data))
+    places = np.arange(len(data))
+    ax.hlines(places, data["5 %"], data["95 %"], color=INK, lw=1)
+    ax.hlines(places, data["from"], data["to"], color=INK, lw=4)
+    ax.plot(data["mean"], places, "o", color=INK, ms=6)
+    names = [f"{s}: {c}" for s, c in zip(data["scenario"], data["contender"], strict=True)]
+    ax.set_yticks(places, [plain(name) for name in names], color=INK)
+    ax.invert_yaxis()
+    ax.set_xlabel("available requirements served (%)")
+    told = ", ".join(f"{name} {mean:.3g} %" for name, mean in zip(names, data["mean"], strict=True))
+    return Picture(
+        "policies-served", "What is served",
+        "Dots are means, thick lines their confidence intervals; between the ends of a thin line lie"
+        " nine of ten runs.",
+        f"Shares of the available requirements that are served: {told}.",
+        figure, data,
+    )  # fmt: skip

@@ -1,0 +1,105 @@
+"""Policies compared in a report: means, quantiles, pairs and regret, from values chosen by hand."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from msmrta_opt.mission.run_metrics import RUN_METRICS
+from msmrta_opt.studies.record import Record
+from msmrta_opt.studies.report.blocks import Table
+from msmrta_opt.studies.report.policies import mean_of, policy_section, quantile_of, seeds_of
+
+SERVED = {"keep": [0.5, 1.0, 1.0, 0.5], "repair": [1.0] * 4, "hindsight": [1.0] * 4}
+TIME = {
+    "keep": [10.0, 40.0, 40.0, 10.0],
+    "repair": [30.0, 20.0, 20.0, 30.0],
+    "hindsight": [15.0, 10.0, 20.0, 30.0],
+}
+
+
+def record(policy: str, scenario: str = "rough", **more: object) -> Record:
+    values = {name: [0.0] * 4 for name in (*RUN_METRICS, "deciding_seconds")}
+    values |= {"served_share": SERVED[policy], "total_time": TIME[policy]}
+    values |= {"seeds": [0, 1, 2, 3]}
+    return Record(
+        instance="one", map="m", n_robots=2, n_victims=3, contender=policy, method="execution",
+        planner="ssi", policy=policy, scenario=scenario, executions_json=json.dumps(values),
+        **more,  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def tables() -> dict[str, Table]:
+    blocks = policy_section([record(name) for name in TIME], "total_time").blocks
+    return {block.name: block for block in blocks if isinstance(block, Table)}
+
+
+def test_a_row_says_what_each_policy_comes_to(tables: dict[str, Table]) -> None:
+    rows = tables["policies"].data.set_index("contender")
+    assert rows["served (%)"].to_dict() == {"keep": 75, "repair": 100, "hindsight": 100}
+    assert rows.loc["keep", "total time: median"] == 10  # half of the runs are done by then
+    assert rows["runs"].tolist() == [4, 4, 4]
+
+
+def test_pairs_are_on_the_same_seeds(tables: dict[str, Table]) -> None:
+    pairs = tables["policies-pairs-rough"].data.set_index(["contender", "against"])
+    keep = pairs.loc[("keep", "repair")]
+    # Seeds 0 and 3 serve less; on 1 and 2 both serve all, and keep takes twice the time.
+    assert (keep["wins"], keep["ties"], keep["losses"]) == (0, 0, 4)
+    assert keep["total time ratio"] == pytest.approx(2)
+
+
+def test_regret_is_the_distance_from_hindsight(tables: dict[str, Table]) -> None:
+    regret = tables["policies-regret-rough"].data.set_index("contender")
+    assert list(regret.index) == ["keep", "repair"]
+    assert regret.loc["keep", "served less (points)"] == pytest.approx(25)
+    # Ratios of the runs that serve the same: 4 and 2 of keep; 2, 2, 1 and 1 of repair.
+    assert regret.loc["keep", ["serve the same", "highest"]].tolist() == [2, 4]
+    assert regret.loc["keep", "total time ratio"] == pytest.approx(8**0.5)
+    assert regret.loc["repair", "total time ratio"] == pytest.approx(4**0.25)
+
+
+def test_scenarios_are_never_mixed() -> None:
+    records = [record(name, where) for where in ("rough", "calm") for name in ("keep", "repair")]
+    blocks = policy_section(records, "total_time").blocks
+    names = [block.name for block in blocks if isinstance(block, Table)]
+    assert names == ["policies", "policies-pairs-rough", "policies-pairs-calm"]
+
+
+def test_nothing_is_said_where_nothing_was_executed() -> None:
+    failed = record("keep", outcome="raised")
+    assert not policy_section([Record(instance="one"), failed], "total_time").blocks
+    assert seeds_of([failed]).empty
+
+
+def test_the_interval_of_a_mean_is_students() -> None:
+    # Of 1, 2, 3: mean 2, standard error 1 / sqrt(3), t of two degrees of freedom 4.3027.
+    found = mean_of(np.array([1.0, 2.0, 3.0]))
+    assert (found.value, found.low) == (2, pytest.approx(2 - 4.302653 / 3**0.5))
+    assert np.isnan(mean_of(np.array([1.0])).low)
+
+
+def test_the_interval_of_a_median_is_that_of_published_tables() -> None:
+    # Order statistics for a 95 % interval of the median: 2 and 9 of 10, 40 and 61 of 100.
+    ten = quantile_of(np.arange(1.0, 11), 0.5)
+    assert (ten.value, ten.low, ten.high) == (5, 2, 9)
+    hundred = quantile_of(np.arange(1.0, 101), 0.5)
+    assert (hundred.low, hundred.high) == (40, 61)
+    five = quantile_of(np.arange(1.0, 6), 0.5)
+    assert np.isnan(five.low)
+    assert np.isnan(five.high)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.5, 0.95])
+def test_the_interval_of_a_quantile_holds_it_as_often_as_it_says(share: float) -> None:
+    # Exactly: the chance that the k-th of n uniform values is below the quantile is a beta's.
+    n = 200
+    found = quantile_of(np.arange(1.0, n + 1), share)
+    low, high = int(found.low), int(found.high)
+    below = stats.beta.cdf(share, low, n + 1 - low)
+    above = stats.beta.sf(share, high, n + 1 - high)
+    assert below + above - 1 >= 0.95

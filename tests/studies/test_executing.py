@@ -1,0 +1,93 @@
+"""Studies of policies: plans executed seed by seed, kept as one record, resumable as all others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from support.studies import do, kept, write_study
+
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.studies.runs import runs
+from msmrta_opt.studies.specification import Study
+from msmrta_opt.studies.study import study as open_study
+
+PLAIN = """
+title = "Policies"
+[[instances]]
+maps = "open.map"
+robots = 2
+victims = 3
+[[planners]]
+planner = "ssi"
+"""
+POLICIES = """
+[[scenarios]]
+file = "rough.toml"
+runs = 3
+[[policies]]
+blocked = ["wait", "skip"]
+"""
+SCENARIO = """
+[[speed]]
+distribution = "lognormal"
+sigma = 0.5
+"""
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    (tmp_path / "rough.toml").write_text(SCENARIO)
+    return write_study(tmp_path, PLAIN + POLICIES)
+
+
+def test_a_study_executes_each_plan_by_each_policy_on_the_same_seeds(path: Path) -> None:
+    wait, skip = do(path)
+    assert [record.contender for record in (wait, skip)] == [
+        "keep, blocked = wait", "keep, blocked = skip",
+    ]  # fmt: skip
+    assert (wait.method, wait.scenario, wait.policy) == ("execution", "rough", "keep")
+    assert wait.executions["seeds"] == [0, 1, 2]
+    # No cell is blocked, so both policies do the same in the same world, and in each another.
+    assert wait.executions["makespan"] == skip.executions["makespan"]
+    assert len(set(wait.executions["makespan"])) == 3
+    assert wait.metrics["makespan"] == pytest.approx(sum(wait.executions["makespan"]) / 3)
+    assert do(path) == []
+    assert [record.executions for record in kept(path)]
+
+
+def test_another_scenario_is_another_run_and_the_planners_run_is_as_before(path: Path) -> None:
+    keys = [run.key for run in runs(Study.read(path))]
+    (path.parent / "rough.toml").write_text(SCENARIO.replace("0.5", "0.4"))
+    assert not set(keys) & {run.key for run in runs(Study.read(path))}
+    plain = runs(Study.read(write_study(path.parent, PLAIN, "plain.toml")))
+    assert [run.contender for run in plain] == ["ssi"]
+    assert "policy" not in str(plain[0].task)
+
+
+def test_the_report_compares_the_policies(path: Path) -> None:
+    do(path)
+    page = open_study(path).report(path.parent / "report").read_text(encoding="utf-8")
+    assert "What runs come to" in page
+    assert "In pairs, under rough" in page
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (PLAIN + "[[policies]]\n", "scenarios: is missing; [[policies]] need some"),
+        (PLAIN + '[[scenarios]]\nfile = "rough.toml"\n', "policies: is missing"),
+        (PLAIN + POLICIES.replace("rough", "no"), "scenarios[0]: "),
+        (PLAIN + POLICIES + '[[policies]]\npolicy = "kep"\n', "policies[1]"),
+        (PLAIN + POLICIES.replace("runs = 3", "runs = 0"), "scenarios[0].runs"),
+        (PLAIN + POLICIES.replace("wait", "skip"), "give one of them a name of its own"),
+    ],
+)
+def test_mistakes_are_told_in_a_line_before_anything_is_run(
+    path: Path, text: str, said: str
+) -> None:
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        runs(Study.read(path))
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
