@@ -19,7 +19,6 @@ from ...plots.style import FAINT
 from ...plots.titles import name_of
 from ...plots.two_plans import draw_maps, maps_height, plans_key
 from .tradeoff_pictures import (
-    SYMBOL,
     numbers_of,
     plot_bands,
     plot_changes,
@@ -27,6 +26,7 @@ from .tradeoff_pictures import (
     plot_regions,
     plot_value,
     short,
+    symbol_of,
 )
 from .tradeoff_results import Assignment, Regions, Segment, Tradeoff
 
@@ -55,13 +55,14 @@ def tradeoff_figure(result: Tradeoff, *, breakpoint_: Fraction | None = None) ->
     """
     sides = _sides(result, breakpoint_)
     plans = [segment.plan for segment in sides]
-    symbol, instance = SYMBOL[result.over], plans[0].instance
+    symbol, instance = symbol_of(result), plans[0].instance
     bands = 0.3 + 0.28 * instance.n_robots
     charts = 2 * PANEL + bands + 1.1 if result.breakpoints else 0.0
     exact = "exact" if result.exact else "to 1e-9"
     said = f"{symbol} in {result.model} ({exact}, {result.n_solves} solves)"
     if not result.breakpoints:
-        said = f"{symbol} has no effect on this mission, one optimum for all from 0 to 1: {said}"
+        ends = " to ".join(map(short, result.span))
+        said = f"{symbol} has no effect on this mission, one optimum for all from {ends}: {said}"
     page, top = _page(name_of(instance), said, plans, charts)
     if result.breakpoints:
         half = INNER / 2 - LEFT - GAP
@@ -128,7 +129,7 @@ def _draw_plans(page: Page, titles: Sequence[str], plans: Sequence[Plan], top: f
 
 def _write_pieces(page: Page, result: Tradeoff, left: float, top: float) -> None:
     """What the plans cost on each interval, as many as there is room for."""
-    symbol, line = SYMBOL[result.over], 0.19
+    symbol, line = symbol_of(result), 0.19
     rows = [f"What plans cost over {symbol}:"]
     for s in result.segments:
         m = s.metrics

@@ -98,7 +98,7 @@ def plot_changes(result: Tradeoff, ax: Axes | None = None) -> Axes:
     """
     ax = own_axes(6.5, 4.2) if ax is None else ax
     edges = [*(float(s.low) for s in result.segments), float(result.segments[-1].high)]
-    start = f"{_symbol(result)} = {float(result.span[0]):g}"
+    start = f"{symbol_of(result)} = {float(result.span[0]):g}"
     for which, (colour, line) in enumerate(((FIRST, "--"), (SECOND, ":"))):
         steps = np.array([float(s.objectives[which]) for s in result.segments])
         ax.stairs(
@@ -132,13 +132,13 @@ def plot_front(result: Tradeoff, ax: Axes | None = None) -> Axes:
     )
     ax.plot(
         *supported.T, "o", color=VALUE, markersize=8,
-        label=f"reached by a {_symbol(result)} ({len(supported)})",
+        label=f"reached by a {symbol_of(result)} ({len(supported)})",
     )  # fmt: skip
     if groups[False]:
         behind = np.array(groups[False])
         ax.plot(
             *behind.T, "D", color="white", markeredgecolor=SECOND, markersize=6,
-            markeredgewidth=1.5, label=f"reached by no {_symbol(result)} ({len(behind)})",
+            markeredgewidth=1.5, label=f"reached by no {symbol_of(result)} ({len(behind)})",
         )  # fmt: skip
     first, second = _objectives(result)
     unit = f" ({UNIT[result.over]})" if result.over == "beta" else ""
@@ -309,7 +309,8 @@ def _count(result: Tradeoff) -> str:
     return f"{n} breakpoint{'' if n == 1 else 's'}"
 
 
-def _symbol(result: Tradeoff) -> str:
+def symbol_of(result: Tradeoff) -> str:
+    """ψ or β, or a formulation's own parameter by its name."""
     return SYMBOL.get(result.over, result.over)
 
 

@@ -102,6 +102,9 @@ def test_a_formulations_own_parameter_has_pieces_over_its_own_range(paper: Insta
         data = stage_data(paper, "cluster")
         solution = solve("cluster_distance", data, psi=0, delta=middle)
         assert solution.objective == pytest.approx(float(segment.value(middle)))
+    page = tradeoff_figure(own)
+    assert illegible(page) == []
+    assert any(text.get_text().startswith("delta in cluster_distance") for text in page.texts)
 
 
 def test_the_command_prints_the_pieces_and_writes_table_and_picture(
