@@ -15,7 +15,7 @@ CHANGES = (
     (re.compile(r'<table(?= class="(?:docutils|dataframe))'), '<table tabindex="0"'),
     (re.compile(r"<table(?= border)"), '<table tabindex="0"'),
     (re.compile(r'<div class="output text_html">'), '<div class="output text_html" tabindex="0">'),
-    (re.compile(r"<th></th>"), "<td></td>"),
+    (re.compile(r'<th(?: class="head")?>(?:<p></p>)?</th>'), "<td></td>"),
     (re.compile(r'role="heading">'), 'role="heading" aria-level="2">'),
 )
 FRONT = """<!DOCTYPE html>
