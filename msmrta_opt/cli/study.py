@@ -63,6 +63,7 @@ def run(
         except KeyboardInterrupt:
             results.close()
             kept = asked.state()
+            _show(kept, json)
             left = sum(row["open"] for row in kept.rows)
             say(f"interrupted: {len(todo) - left} of {len(todo)} runs are kept.")
             say(f"To go on from there: msmrta study run {study}")

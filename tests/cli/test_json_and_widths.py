@@ -51,11 +51,14 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "study run": ("study", "run", "STUDY"),
     "compare": ("compare", "two_rooms", "--solvers", "auto,highs", "--prove"),
     "map": ("map", "FLOOR"),
+    "run": ("run", "A"),
 }
 """Lines that print tables; solves and runs are done in this process."""
 LINES = {"check", "explain", "diff", "watch", "study export"}
 """Commands with JSON that print lines alone."""
-NO_JSON = {"new-model", "new-mission", "generate", "export", "replay", "study report"}
+NO_JSON = {
+    *("new-model", "new-mission", "generate", "export", "export-plan", "replay", "study report")
+}
 """Commands that write a file and print a line that says so."""
 DOCUMENTS = {"schema", "checker"}
 """Commands that print a file."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import sqlite3
 import subprocess
@@ -112,7 +113,7 @@ def test_an_interrupted_study_says_how_to_go_on(
     )
     code = f"import sys; sys.path[:] = {sys.path!r}; from msmrta_opt.cli import main; main()"
     running = subprocess.Popen(
-        [sys.executable, "-c", code, "study", "run", str(path)],
+        [sys.executable, "-c", code, "study", "run", str(path), "--json", str(tmp_path / "state")],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -125,6 +126,8 @@ def test_an_interrupted_study_says_how_to_go_on(
     out, errors = running.communicate(timeout=PATIENCE_SECONDS)
     assert running.returncode == status
     assert "interrupted: 1 of 2 runs are kept." in out
+    state = json.loads((tmp_path / "state").read_text())
+    assert [(row["finished"], row["open"]) for row in state["runs"]] == [(1, 0), (0, 1)]
     assert f"To go on from there: msmrta study run {path}" in out
     assert "Traceback" not in errors
     assert have_ended(children)
