@@ -59,7 +59,7 @@ autodoc_typehints_format = "short"
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 numpydoc_show_class_members = False
-maximum_signature_line_length = 80
+maximum_signature_line_length = 120
 python_use_unqualified_type_names = True
 
 pygments_style = "vs"

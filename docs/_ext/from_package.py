@@ -60,7 +60,7 @@ def rst(text: str) -> str:
 
 
 def planner_options(name: str) -> list[list[str]]:
-    """Option, default, choices and meaning, a row each, for the planner `name`.
+    """Option, meaning, default and choices, a row each, for the planner `name`.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def planner_options(name: str) -> list[list[str]]:
             raise LookupError(f"nothing says what {option} of the planner {name} means")
         given = f"`{default}`" if default not in (None, "", ()) else NO_DEFAULT
         words = ", ".join(f"`{choice}`" for choice in choices)
-        rows.append([f"`{option}`", given, words, rst(meaning)])
+        rows.append([f"`{option}`", rst(meaning), given, words])
     return rows
 
 
@@ -112,7 +112,7 @@ class PlannerOptions(FromPackage):
 
     def lines(self) -> list[str]:
         """The table."""
-        head = ("option", "default", "choices", "meaning")
+        head = ("option", "meaning", "default", "choices")
         return table(head, planner_options(self.arguments[0]))
 
 
@@ -147,10 +147,10 @@ class TuningParameters(FromPackage):
         group = getattr(Parameters(), self.arguments[0])
         said = annotated(type(group))
         rows = [
-            (f"`{item.name}`", f"`{getattr(group, item.name)}`", rst(said[item.name]))
+            (f"`{item.name}`", rst(said[item.name]), f"`{getattr(group, item.name)}`")
             for item in fields(group)
         ]
-        return table(("parameter", "default", "meaning"), rows)
+        return table(("parameter", "meaning", "default"), rows)
 
 
 class Objectives(FromPackage):
@@ -224,9 +224,11 @@ class Fields(FromPackage):
             if isinstance(field, ast.AnnAssign) and not ast.unparse(field.target).startswith("_")
         }
         said = annotated(kind)
-        rows = [(f"`{name}`", f"`{of}`", rst(said.get(name, ""))) for name, of in types.items()]
-        head = rst(dedent(kind.__doc__).strip()) if kind.__doc__ else ""
-        return [*head.splitlines(), "", *table(("field", "type", "meaning"), rows)]
+        rows = [(f"`{name}`", rst(said.get(name, "")), f"`{of}`") for name, of in types.items()]
+        head = ("field", "meaning", "type")
+        if not any(meaning for _, meaning, _ in rows):  # all is said above the table
+            rows, head = [(name, of) for name, _, of in rows], ("field", "type")  # type: ignore[misc, assignment]
+        return [*rst(inspect.cleandoc(kind.__doc__ or "")).splitlines(), "", *table(head, rows)]
 
 
 class CertifiedValues(FromPackage):

@@ -125,17 +125,27 @@ class Plan(PlanRecord):
 
     format: Literal["msmrta-plan/1"] = FORMAT
     instance: Instance
+    """The mission that it is for, whole."""
     planner: str
+    """Who made it."""
     options: dict[str, Any] = Field(default_factory=dict)
+    """With what it was made: the same options make the same plan."""
     promises: tuple[Limit, ...] | None = None
     """The options that limit every robot's whole route."""
     versions: dict[str, str] = Field(default_factory=dict)
+    """Of all that its content depends on."""
     routes: tuple[Route, ...]
+    """A route for each robot."""
     unserved: tuple[Unserved, ...] = ()
+    """Requirements that nobody serves, each with the reason."""
     scouting: ScoutingReport | None = None
+    """What scouts did, where there are any."""
     clusters: tuple[Cluster, ...] = ()
+    """Of a staged plan."""
     certificates: tuple[Certificate, ...] = ()
+    """What is proven about each integer program, or about the plan."""
     planning_seconds: dict[str, Time] = Field(default_factory=dict)
+    """Wall time by stage."""
     search: SearchRecord | None = None
     """How incumbent and bound closed in, where the planner keeps it; see `convergence`."""
 
