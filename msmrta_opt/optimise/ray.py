@@ -11,20 +11,24 @@ from .program import Program
 NAMED = 3
 """Variables that are named."""
 SIZE = 1e-7
-"""From which an entry of a ray counts."""
+"""From which an entry of a ray counts, relative to its largest."""
 
 
 def unbounded_along(program: Program) -> str:
     """The variables along which the objective improves without end, in a sentence.
 
     The ray has the fewest and smallest entries: of the relaxation, minimum ``|d|₁`` over directions
-    d that no row or bound ends and along which the objective improves by 1. Empty if none is found.
+    d that no row or bound ends and along which the objective improves by its largest cost. Empty if none
+    is found.
     """
     from .solvers import Options, get
 
     n = program.n_columns
     free = np.isinf
-    cost = program.sign * program.cost
+    unit = np.abs(program.cost).max(initial=0.0)
+    if not unit:
+        return ""
+    cost = program.sign / unit * program.cost
     # d is the difference of a forward and a backward part, each 0 or more.
     forward = np.where(free(program.upper), np.inf, 0.0)
     backward = np.where(free(program.lower), np.inf, 0.0)
@@ -48,7 +52,7 @@ def unbounded_along(program: Program) -> str:
     if found is None:
         return ""
     ray = found[:n] - found[n:]
-    places = np.flatnonzero(np.abs(ray) > SIZE)
+    places = np.flatnonzero(np.abs(ray) > SIZE * np.abs(ray).max(initial=0.0))
     if not places.size:
         return ""
     named = [
