@@ -110,6 +110,9 @@ def _in_main_thread() -> bool:
 def _on_signal(number: int, _: Any) -> None:
     _now.signal = number
     if not _now.is_heeded or _now.asked.is_set():
+        # Where a library calls Python (numba's compiler does), what is raised is lost: so that it is not
+        # forgotten, whatever heeds it later is told.
+        _now.asked.set()
         raise KeyboardInterrupt
     _now.asked.set()
     if _now.in_command:

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -74,6 +75,17 @@ def test_in_a_command_sigterm_raises_like_ctrl_c_until_something_heeds_it() -> N
     with command(), pytest.raises(KeyboardInterrupt):
         send(signal.SIGTERM)
     assert signal.getsignal(signal.SIGTERM) is before
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_that_a_library_swallows_ends_what_comes_after(number: int) -> None:
+    """As numba's compiler does: what a callback from C raises is printed, and goes no further."""
+    with command():
+        with suppress(KeyboardInterrupt):
+            send(number)
+        with interruptible():
+            assert interrupted()
+    assert not interrupted()
 
 
 def test_another_thread_works_as_it_is() -> None:
