@@ -76,7 +76,7 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return site
 
 
-def test_the_wheel_carries_models_instances_and_maps(wheel: Path) -> None:
+def test_the_wheel_carries_models_instances_maps_and_the_parts_of_pages(wheel: Path) -> None:
     names = set(zipfile.ZipFile(wheel).namelist())
     for folder, pattern in (
         ("models", "*.py"),
@@ -91,16 +91,13 @@ def test_the_wheel_carries_models_instances_and_maps(wheel: Path) -> None:
         assert shipped
         assert shipped <= names
     assert "msmrta_opt/py.typed" in names
-    page = (
-        "replay.html",
-        "replay.css",
-        "state.js",
-        "draw.js",
-        "timeline.js",
-        "words.js",
-        "page.js",
-    )
-    assert {f"msmrta_opt/plots/replay/{name}" for name in page} <= names
+    parts = {
+        f"msmrta_opt/{path.relative_to(ROOT / 'msmrta_opt')}"
+        for kind in ("html", "css", "js", "jinja")
+        for path in (ROOT / "msmrta_opt").rglob(f"*.{kind}")
+    }
+    assert len(parts) > 10
+    assert parts <= names
     assert not any(name.startswith(("tests/", "models/", "instances/")) for name in names)
 
 
