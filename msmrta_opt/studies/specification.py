@@ -160,10 +160,7 @@ class ReportTable(_Table):
     def _is_a_metric_of_plans(cls, name: str) -> str:
         known = [m.name for m in metrics_of("report") if m.better != "neither"]
         if name not in known:
-            raise InputError(
-                f"{name!r}{meant(name, known)}; give one of {', '.join(known)}",
-                field="report.quality",
-            )
+            raise InputError(f"{name!r}{meant(name, known)}; give one of {', '.join(known)}")
         return name
 
 

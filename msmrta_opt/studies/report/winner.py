@@ -106,7 +106,7 @@ def _price(found: Comparison, winner: str) -> str:
             f" planning time of {number(times[winner])} s."
         )
     return (
-        f" The price: {_times(times[winner] / times[quick])} the planning time of {quick}, the"
+        f" The price of {winner}: {_times(times[winner] / times[quick])} the planning time of {quick}, the"
         f" fastest ({number(times[winner])} s against {number(times[quick])} s)."
     )
 

@@ -69,8 +69,8 @@ def test_the_sentence_says_who_wins_by_how_much_and_at_what_price() -> None:
     said = planner_sentence(compared(runs_of(("slow", [5, 10], 6.0), ("quick", [10, 20], 2.0))))
     assert said == (
         "On all 2 instances, slow makes the best plans: its total time is 50 % lower (95% confidence:"
-        " 50 to 50 %) than that of quick, the next (better on 2, equal on 0, worse on 0). The price:"
-        " 3 times the planning time of quick, the fastest (6.00 s against 2.00 s)."
+        " 50 to 50 %) than that of quick, the next (better on 2, equal on 0, worse on 0). The price of"
+        " slow: 3 times the planning time of quick, the fastest (6.00 s against 2.00 s)."
     )
 
 
@@ -99,8 +99,8 @@ def test_those_who_serve_less_are_out_and_equals_are_named() -> None:
     assert planner_sentence(compared(records)) == (
         "On all 2 instances, same makes the best plans: its total time is 50 % lower (95% confidence:"
         " 50 to 50 %) than that of worse, the next (better on 2, equal on 0, worse on 0). As good and"
-        " slower: one. Out, for serving less than 100 % of what can be served: half 50 %. The price:"
-        " 4 times the planning time of half, the fastest (2.00 s against 0.500 s)."
+        " slower: one. Out, for serving less than 100 % of what can be served: half 50 %. The price of"
+        " same: 4 times the planning time of half, the fastest (2.00 s against 0.500 s)."
     )
 
 
