@@ -106,8 +106,8 @@ def _price(found: Comparison, winner: str) -> str:
             f" planning time of {number(times[winner])} s."
         )
     return (
-        f" The price of {winner}: {_times(times[winner] / times[quick])} the planning time of {quick}, the"
-        f" fastest ({number(times[winner])} s against {number(times[quick])} s)."
+        f" The price of {winner}: {_times(times[winner] / times[quick])} the planning time of"
+        f" {quick}, the fastest ({number(times[winner])} s against {number(times[quick])} s)."
     )
 
 
