@@ -287,7 +287,7 @@ class Simulation:
             task = body.task or body.queue.popleft()
             if body.leg is None:
                 body.leg, body.step, body.base = self._way(body, task), 0, now
-            elif body.stuck is not None:
+            elif body.step == 0:  # it has waited
                 body.base = now
             body.task, body.stuck = task, None
             if body.leg is None:

@@ -73,6 +73,16 @@ class RoutingData(MissionData):
     """Length that r covers in one time unit, over (r); 1 where none is given."""
     is_metric: bool = field(default=False, kw_only=True)
     """Whether it is known that no detour is shorter than the direct way, as for walks."""
+    planned: Bools = field(
+        default_factory=lambda: np.zeros((0, 0), dtype=bool), kw_only=True, metadata=over("r", "v")
+    )
+    """Whether r was to visit v by the plan in force; nowhere if there is none."""
+    ready: Floats = field(
+        default_factory=lambda: np.zeros(0),
+        kw_only=True,
+        metadata=over("r", unit="time units"),
+    )
+    """When r is done with what is under way, from now; 0 if nothing is."""
     time_unit: float = field(default=1.0, kw_only=True)
     """What 1 of these times is in the mission's time units; a power of two."""
     priority_unit: float = field(default=1.0, kw_only=True)
@@ -81,6 +91,10 @@ class RoutingData(MissionData):
     def __post_init__(self) -> None:
         if not len(self.speed):
             object.__setattr__(self, "speed", np.ones(len(self.leave)))
+        if not self.planned.size:
+            object.__setattr__(self, "planned", np.zeros(self.able.shape[:2], dtype=bool))
+        if not len(self.ready):
+            object.__setattr__(self, "ready", np.zeros(len(self.leave)))
         super().__post_init__()
         n, m, _ = self.able.shape
         if self.length.shape not in ((n, m, m), (1, m, m)) or self.speed.shape != (n,):

@@ -50,7 +50,9 @@ def in_convenient_units(data: RoutingData, objective: Objective, incumbent: Rout
     lengths = data.length if len(data.length) > 1 else data.length / data.speed.max()
     cut = longest * (data.speed[:, None, None] if len(data.length) > 1 else data.speed.max())
     if unit != 1.0 or max(x.max(initial=0.0) for x in (*legs.values(), lengths)) > longest:
-        others = {name: getattr(data, name) for name in ("service", "endurance", "longest_walk")}
+        others = {
+            name: getattr(data, name) for name in ("service", "endurance", "longest_walk", "ready")
+        }
         data = replace(
             data,
             **{name: np.minimum(x, longest) / unit for name, x in legs.items()},

@@ -51,7 +51,9 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "study run": ("study", "run", "STUDY"),
     "compare": ("compare", "two_rooms", "--solvers", "auto,highs", "--prove"),
     "map": ("map", "FLOOR"),
+    "policies": ("policies",),
     "run": ("run", "A"),
+    "runs": ("run", "A", "--policy", "keep", "--policy", "repair", "--runs", "3"),
 }
 """Lines that print tables; solves and runs are done in this process."""
 LINES = {"check", "explain", "diff", "watch", "study export"}
@@ -62,7 +64,7 @@ NO_JSON = {
 """Commands that write a file and print a line that says so."""
 DOCUMENTS = {"schema", "checker"}
 """Commands that print a file."""
-LISTS = {"instances", "planners", "solvers", "models", "compare", "workload"}
+LISTS = {"instances", "planners", "policies", "solvers", "models", "compare", "workload"}
 STUDY = """
 title = "one planner"
 instances = [{ files = ["corridor", "split"] }]
@@ -97,7 +99,7 @@ def here() -> Iterator[None]:
 def test_every_command_that_prints_a_table_has_json_and_is_tried_here() -> None:
     all_of_them = commands()
     with_json = {name for name, options in all_of_them.items() if "--json" in options}
-    assert with_json == (COMMANDS.keys() - {"regions"}) | LINES
+    assert with_json == (COMMANDS.keys() - {"regions", "runs"}) | LINES
     assert all_of_them.keys() - with_json == NO_JSON | DOCUMENTS
 
 

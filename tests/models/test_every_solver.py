@@ -21,7 +21,8 @@ MODELS = Path(__file__).parents[2] / "models"
 SHIPPED = [item.name for item in listings() if item.path.parent == MODELS]
 INSTALLED = [name for name, solver in solvers().items() if solver.installed]
 CONTINUOUS = {
-    *("cluster_fair", "joint_assignment", "joint_routing_flow", "joint_routing_mtz"),
+    *("cluster_fair", "joint_assignment", "joint_replan", "joint_routing_flow"),
+    "joint_routing_mtz",
     *("victim_balanced", "victim_bottleneck"),
 }
 NO_ASSIGNMENT = {
@@ -32,7 +33,7 @@ CANNOT = {"cpsat": CONTINUOUS, "lsa": CONTINUOUS | NO_ASSIGNMENT}
 """By solver, the formulations that it refuses whatever the data."""
 INFEASIBLE = {
     *("clustering_pmedian", "victim_generalized"),
-    *("joint_routing_flow", "joint_routing_mtz"),
+    *("joint_replan", "joint_routing_flow", "joint_routing_mtz"),
 }
 """Formulations of which some questions have no answer; the others always have one."""
 

@@ -183,6 +183,7 @@ def test_the_weight_leads_from_the_total_time_to_the_makespan() -> None:
     [
         # N = 2 robots, M = 3 victims, L = 1 kind.
         ("joint_routing_flow", 6 * (6 + 1 + 3) + 1, 3 * (1 + 2 * (6 + 1 + 6)) + 8),
+        ("joint_replan", 6 * (6 + 1 + 3) + 1, 3 * (1 + 2 * (6 + 1 + 6)) + 8),
         ("joint_routing_mtz", 6 * (3 + 1 + 4) + 3 + 1, 3 * (1 + 2 * (6 + 1 + 5)) + 8),
     ],
 )

@@ -15,8 +15,11 @@ import numpy as np
 from msmrta_opt.routing.problem import RoutingData
 
 
-def least(data: RoutingData, objective: str) -> float:
-    """The best value of any routes; infinite if the limits allow none."""
+def least(data: RoutingData, objective: str, stability: float = 0.0) -> float:
+    """The best value of any routes; infinite if the limits allow none.
+
+    Of the total time `stability` is added for each planned visit that its robot does not make.
+    """
     if objective == "latency":
         return _least_latency(data)
     needs = [(int(v), int(k)) for v, k in np.argwhere(data.required)]
@@ -25,6 +28,10 @@ def least(data: RoutingData, objective: str) -> float:
     best[0] = 0.0
     for r in range(data.n_robots):
         own = _times_of_sets(data, r, needs)
+        if stability:
+            planned = set(np.flatnonzero(data.planned[r]).tolist())
+            made = {s: {v for n, (v, _) in enumerate(needs) if s >> n & 1} for s in own}
+            own = {s: time + stability * len(planned - made[s]) for s, time in own.items()}
         after = np.full(full + 1, np.inf)
         for done in range(full + 1):
             if not np.isfinite(best[done]):

@@ -28,6 +28,10 @@ ANSWER = {"clustering": ("y", "median"), "cluster": ("x",), "victim": ("x",), "j
 """The binary variables that make an answer, by stage; of routes see `routes_of`."""
 WEIGHTS: dict[str, dict[str, dict[str, float]]] = {
     "joint_routing_flow": {"total_time": {"w": 0}, "makespan": {"w": 1}},
+    "joint_replan": {
+        "total_time": {"w": 0, "stability": 0},
+        "makespan": {"w": 1, "stability": 1},  # of nothing that was planned
+    },
     "joint_routing_mtz": {
         "total_time": {"w_total": 1, "w_makespan": 0, "w_latency": 0},
         "makespan": {"w_total": 0, "w_makespan": 1, "w_latency": 0},

@@ -1,6 +1,7 @@
 """Policies: what to do when a plan meets the world.
 
-A file a policy, found here by its ``POLICY``; nothing else needs to know of it. `keep` the plan; …
+A file a policy, found here by its ``POLICY``; nothing else needs to know of it. `keep` the
+plan as it is; `repair` it where it costs least; `replan` all that is to come.
 """
 
 from __future__ import annotations

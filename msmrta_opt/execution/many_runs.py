@@ -1,0 +1,118 @@
+"""A plan executed many times: every policy on the same seeds, here or in several processes.
+
+What comes of a seed does not depend on how many processes there are, nor on the other seeds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Any
+
+from ..certify.plan import check_plan
+from ..interruption import interrupted
+from ..isolation import Failure, run_isolated
+from ..mission.errors import CheckError, InputError
+from ..mission.plan import Plan
+from ..mission.run import Run
+from ..mission.scenario import Scenario
+from .execute import execute_checked
+
+CHUNK = 10
+"""Seeds that a process does at a time."""
+PRELOAD = ("msmrta_opt.execution.many_runs", "msmrta_opt.planners", "networkx")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one run came to.
+
+    ``served`` holds by victim when the last of its requirements that any robot has was served, for
+    those of which all were.
+    """
+
+    policy: str
+    seed: int
+    figures: Mapping[str, float]
+    served: Mapping[int, float]
+
+
+def execute_many(
+    plan: Plan,
+    scenario: Scenario,
+    policies: Mapping[str, Mapping[str, Any]],
+    seeds: Sequence[int],
+    *,
+    jobs: int = 1,
+) -> Generator[Outcome, None, None]:
+    """Execute `plan` with each policy on each seed; ends early once the user asks.
+
+    Parameters
+    ----------
+    plan : Plan
+        One that holds.
+    scenario : Scenario
+        What may happen.
+    policies : mapping
+        The policies' options by their names.
+    seeds : sequence of int
+        Policies on the same seed meet the same world.
+    jobs : int
+        How many processes; with one, all is done in this.
+
+    Yields
+    ------
+    Outcome
+        As they are finished: all policies' on a seed before those on another one.
+
+    Raises
+    ------
+    InputError, CheckError
+        As `execute`.
+    """
+    if jobs < 1:
+        raise InputError(f"{jobs!r}; give 1 or more", field="jobs")
+    check_plan(plan)
+    scenario.check_for(plan.instance)
+    if jobs == 1:
+        for seed in seeds:
+            if interrupted():
+                return
+            yield from outcomes(plan, scenario, policies, [seed])
+        return
+    calls = [(plan, scenario, policies, seeds[i : i + CHUNK]) for i in range(0, len(seeds), CHUNK)]
+    with closing(run_isolated(outcomes, calls, jobs=jobs, preload=PRELOAD)) as results:
+        for _, found in results:
+            if isinstance(found, Failure):
+                raise found.error or CheckError(f"a run {found.reason}: {found.message}")
+            yield from found
+            if interrupted():
+                return
+
+
+def outcomes(
+    plan: Plan,
+    scenario: Scenario,
+    policies: Mapping[str, Mapping[str, Any]],
+    seeds: Sequence[int],
+) -> list[Outcome]:
+    """What comes of these seeds, one after the other; a module's function for other processes."""
+    return [
+        _outcome(execute_checked(plan, scenario, name, seed, options))
+        for seed in seeds
+        for name, options in policies.items()
+    ]
+
+
+def _outcome(run: Run) -> Outcome:
+    capable = {kind for robot in run.plan.instance.robots for kind in robot.capabilities}
+    done = {(service.victim, service.kind) for service in run.services if service.done}
+    completion = run.metrics.completion
+    whole = (
+        victim.id
+        for victim in run.victims
+        if all((victim.id, k) in done for k in victim.requirements if k in capable)
+    )
+    served = {ident: completion[ident] for ident in whole if ident in completion}
+    return Outcome(run.policy, run.seed, dict(run.figures), served)

@@ -1,0 +1,20 @@
+"""Repair the plan: everything stays as it is, and what nobody does is inserted where it costs least."""
+
+from __future__ import annotations
+
+from ..replanning import Remaining
+from ..state import Decide, Policy, Queues, Situated, State
+
+
+def begin(situated: Situated) -> Decide:
+    """Visits of lost robots, victims that turn up, and visits that robots cannot make any more."""
+    del situated
+    return _repair
+
+
+def _repair(state: State) -> Queues | None:
+    remaining = Remaining.of(state)
+    return None if remaining is None else remaining.queues(remaining.repaired())
+
+
+POLICY = Policy("repair", "what nobody does is inserted where it costs least", begin)

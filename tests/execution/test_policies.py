@@ -1,0 +1,152 @@
+"""Policies: what they do when something happens, and what a changed visit costs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from support import executions
+from support.amounts import sample
+from support.joint_oracle import least
+
+from msmrta_opt.execution.execute import execute
+from msmrta_opt.execution.policies import replan
+from msmrta_opt.execution.replanning import Remaining
+from msmrta_opt.execution.state import State
+from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.plan import Plan
+from msmrta_opt.optimise.solve import solve
+from msmrta_opt.planners import plan as make_plan
+from msmrta_opt.routing.objectives import objective_of
+
+PRICES = (0.0, 1.0, 10.0, 100.0, 1e4)
+
+
+@pytest.fixture
+def street() -> Plan:
+    """Two robots of speed 1 at the ends of a street of nine cells, a victim near each."""
+    mission = Instance.from_document(
+        {
+            "map": {"rows": ["........."]},
+            "capabilities": ["Aid"],
+            "service_time": {"Aid": 10.0},
+            "robots": [
+                {"id": 1, "start": [0, 0], "speed": 1.0, "capabilities": ["Aid"]},
+                {"id": 2, "start": [0, 8], "speed": 1.0, "capabilities": ["Aid"]},
+            ],
+            "victims": [
+                {"id": 7, "cell": [0, 1], "requirements": ["Aid"]},
+                {"id": 8, "cell": [0, 7], "requirements": ["Aid"]},
+            ],
+        }
+    )
+    return make_plan(mission, planner="ssi")
+
+
+LOST = {"lost": [{"robot": 1, "time": 5.0}]}
+FOUND = {"victims": [{"id": 9, "cell": [0, 4], "requirements": ["Aid"], "announced": 6.0}]}
+
+
+@pytest.mark.parametrize("policy", ["repair", "replan"])
+def test_what_a_lost_robot_leaves_another_does(street: Plan, policy: str) -> None:
+    # Robot 2 is done with victim 8 at 11, walks six cells, and serves victim 7 from 17 to 27.
+    run = execute(street, LOST, policy)
+    assert dict(run.metrics.completion) == {8: 11.0, 7: 27.0}
+    assert (run.metrics.work_lost, run.metrics.changed_visits) == (4.0, 0)
+    assert execute(street, LOST, "keep").metrics.n_served == 1
+
+
+@pytest.mark.parametrize("policy", ["repair", "replan"])
+def test_a_victim_that_turns_up_is_served_by_who_is_near(street: Plan, policy: str) -> None:
+    # Both robots are done at 11, three cells off: served from 14 to 24.
+    run = execute(street, FOUND, policy)
+    assert run.metrics.completion[9] == 24.0
+    assert (run.metrics.replans, run.metrics.changed_visits) == (1, 0)
+
+
+@pytest.mark.parametrize("policy", ["repair", "replan"])
+def test_policies_that_decide_refuse_a_plan_with_limits(street: Plan, policy: str) -> None:
+    limited = make_plan(street.instance, planner="exact", return_to_start=True, time_limit=1)
+    with pytest.raises(InputError, match=f"^policy: '{policy}' knows nothing of return_to_start"):
+        execute(limited, policy=policy)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"planner": "sssi"}, "planner: 'sssi' (did you mean 'ssi'?)"),
+        ({"stability": -1}, "stability: -1; give a number, 0 or more"),
+        ({"seconds": "one"}, "seconds: 'one'; give a number, 0 or more"),
+        ({"objective": "time"}, "objective: 'time'"),
+        ({"model": "cluster_fair"}, "model: is of stage cluster; give one of stage routing"),
+    ],
+)
+def test_wrong_options_are_told(street: Plan, options: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as error:
+        execute(street, policy="replan", **options)
+    assert str(error.value).startswith(message)
+
+
+def remaining(number: int) -> Remaining:
+    """What is left of a random plan at its beginning, with a robot fewer and all others free."""
+    states: list[State] = []
+    plan = make_plan(executions.mission(3 * number), planner="random", seed=number)
+    robots = plan.instance.robots
+    scenario = {"lost": [{"robot": robots[0].id, "time": 0.0}]} if len(robots) > 1 else {}
+    hidden = {"id": 10**6, "cell": list(robots[-1].start), "requirements": [], "announced": 0.0}
+    from msmrta_opt.execution.draw import draw_world
+    from msmrta_opt.execution.simulation import Simulation
+    from msmrta_opt.mission.scenario import Scenario
+
+    given = Scenario.from_document({**scenario, "victims": [hidden]})
+    world = draw_world(plan, given, 0)
+    Simulation(plan, given, world, lambda state: states.append(state), "detour").run()  # type: ignore[func-returns-value]
+    found = Remaining.of(states[0])
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("number", sample(range(100), quick=5))
+def test_the_dearer_a_change_the_fewer_are_made(number: int) -> None:
+    left, aim = remaining(number), objective_of("total_time")
+    options = {"planner": "ssi", "objective": "total_time", "seconds": None}
+    found = replan.candidates(left, options, seed=number)
+    chosen = [
+        min((left.worth(aim, x) + price * left.changes(x), left.changes(x)) for x in found)[1]
+        for price in PRICES
+    ]
+    assert chosen == sorted(chosen, reverse=True)
+
+
+@pytest.mark.parametrize("number", sample([0, 2, 4, 6, 8, 10, 12, 14, 16, 18], quick=2))
+def test_the_formulation_makes_as_few_changes_as_a_price_leaves(number: int) -> None:
+    """As brute force has it: the objective of each price, and no fewer changes for a lower one."""
+    left, aim = remaining(number), objective_of("total_time")
+    few = np.arange(left.data.n_victims) < 4
+    able = left.data.able & few[None, :, None]
+    data = replace(left.data, able=able, planned=left.data.planned & few)
+    changes = []
+    for price in PRICES:
+        solution = solve("joint_replan", data, stability=price)
+        best = least(data, "total_time", price)
+        assert solution.status == "optimal"
+        assert solution.objective == pytest.approx(best)
+        assert solution.bound == pytest.approx(best)
+        made = solution.values["y"] > 0.5
+        changes.append(int((data.planned & ~made).sum()))
+        routes = replan.routes_of_solution(data, solution)
+        assert aim.value(data, routes) + price * changes[-1] == pytest.approx(best)
+    assert changes == sorted(changes, reverse=True)
+    # At the highest price, a change counts more than all travel: there are as few as there can be.
+    assert changes[-1] == int(least(data, "total_time", 1e9) / 1e9 + 0.5)
+
+
+def test_replanning_by_the_formulation_is_never_dearer_than_by_a_planner(street: Plan) -> None:
+    both = {**LOST, **FOUND}
+    ours = execute(street, both, "replan", stability=2.0)
+    proved = execute(street, both, "replan", model="joint_replan", stability=2.0)
+    assert proved.metrics.n_served == ours.metrics.n_served
+    assert proved.metrics.total_time <= ours.metrics.total_time
