@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .diagnosis.explain import Explanation as Explanation
     from .diagnosis.explain import explain as explain
     from .execution.execute import execute as execute
+    from .execution.hindsight import hindsight as hindsight
     from .execution.policies import policies as policies
     from .mission.coarsening import coarsen as coarsen
     from .mission.convergence import Convergence as Convergence

@@ -92,6 +92,7 @@ HOME = MappingProxyType(
         "Scenario": "mission.scenario",
         "Run": "mission.run",
         "execute": "execution.execute",
+        "hindsight": "execution.hindsight",
         "policies": "execution.policies",
         "plan": "planners",
         "list_planners": "planners:planners",

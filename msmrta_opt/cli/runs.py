@@ -53,6 +53,13 @@ def run(
         list[str] | None,
         typer.Option(help="An option of those policies that have it.", metavar="NAME=VALUE"),
     ] = None,
+    regret: Annotated[
+        float | None,
+        typer.Option(
+            help="Of one run: seconds to find, and prove, the best that could have been.",
+            metavar="SECONDS",
+        ),
+    ] = None,
     json: Json = None,
     figure: Figure = None,
 ) -> None:
@@ -80,7 +87,11 @@ def run(
         given.check_for(made.instance)
     except InputError as error:
         raise error.within(scenario or "") from None
+    if regret is not None and not regret >= 0:
+        raise InputError(f"{regret!r}; give 0 or more", field="--regret")
     if runs > 1 or len(names) > 1:
+        if regret is not None:
+            raise InputError("is for one run; give one policy and no --runs", field="--regret")
         if figure is not None:
             raise InputError("is for one run; give one policy and no --runs", field="--figure")
         seeds = range(seed or 0, (seed or 0) + runs)
@@ -100,6 +111,10 @@ def run(
         save_figure(happened.plot(), figure)
         say(f"picture written to {figure}")
     _show(happened)
+    if regret is not None:
+        from ..execution.hindsight import hindsight
+
+        say(f"Hindsight, for what was served: {hindsight(happened, time_limit=regret)}.")
 
 
 def policies(json: Json = None) -> None:

@@ -183,7 +183,7 @@ def _acts(run: _Parts, track: Walked) -> Iterator[tuple[float, float]]:
     moves = [(time - 1 / speed, time) for time in track.times[1:]]
     serves = [(s.began, s.ended) for s in run.services if s.robot == track.robot]
     yield 0.0, 0.0
-    yield from sorted([*moves, *serves], key=lambda act: act[1])
+    yield from sorted([*moves, *serves], key=lambda act: (act[1], act[0]))
 
 
 RUN_METRICS: Mapping[str, Metric[Any]] = MappingProxyType(

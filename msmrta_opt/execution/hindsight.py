@@ -1,0 +1,154 @@
+"""What a run could have been at best, had all been known from the beginning: the price of not knowing.
+
+The joint problem of what the run served, with the speeds and service times that were drawn, all victims
+known at once, robots done before they are lost, and every cell free that was free at any time. Whatever
+a policy does that serves the same is no better than an optimum of this relaxation, and so its bound is
+one on every policy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..interruption import interrupted, interruptible
+from ..mission.errors import InputError
+from ..mission.instance import Instance
+from ..mission.run import Run
+from ..routing.incumbent import Progress
+from ..routing.methods import close_in
+from ..routing.objectives import DEFAULT, objective_of
+from ..routing.parameters import Parameters
+from ..routing.problem import Routes
+from ..routing.stop import Interruption, MaximumRuntime
+from ..stages.joint_routing import routing_data
+from ..stages.situation import Situation
+
+
+@dataclass(frozen=True)
+class Hindsight:
+    """A run beside the best that could have been.
+
+    Parameters
+    ----------
+    objective : str
+        By what both are judged.
+    run : float
+        What the run came to.
+    best : float
+        The best routes found that serve the same, with all known from the beginning.
+    bound : float
+        Below which no policy that serves the same can come.
+    """
+
+    objective: str
+    run: float
+    best: float
+    bound: float
+    proved: bool
+    """Whether `best` is proved to be optimal."""
+
+    @property
+    def regret(self) -> tuple[float, float]:
+        """What not knowing cost: at least, and at most; the same where `best` is proved."""
+        least = max(self.run - self.best, 0.0)
+        return least, least if self.proved else max(self.run - self.bound, 0.0)
+
+    def __str__(self) -> str:
+        low, high = self.regret
+        cost = f"{low:.6g}" if self.proved else f"{low:.6g} to {high:.6g}"
+        how = "optimal" if self.proved else f"no less than {self.bound:.6g}"
+        return (
+            f"{self.objective} {self.run:.6g}; with all known from the beginning {self.best:.6g} "
+            f"({how}); regret {cost}"
+        )
+
+
+def hindsight(run: Run, *, objective: str = DEFAULT, time_limit: float = 10.0) -> Hindsight:
+    """The best that a policy could have made of a run's world, and the regret of the run.
+
+    Parameters
+    ----------
+    run : Run
+        One that holds.
+    objective : str
+        One of `routing.objectives.OBJECTIVES`.
+    time_limit : float
+        Seconds to prove an optimum.
+
+    Raises
+    ------
+    InputError
+        If there is no such objective, the limit is none, or the plan keeps to limits of its own.
+    """
+    aim = objective_of(objective)
+    if isinstance(time_limit, bool) or not time_limit >= 0:
+        raise InputError(f"{time_limit!r}; give a number, 0 or more", field="time_limit")
+    if any(limit is not False for limit in run.plan.limits.values()):
+        raise InputError("the plan keeps to limits of its own, of which hindsight knows nothing")
+    came_to = float(getattr(run.metrics, aim.name))
+    mission = as_it_turned_out(run)
+    if not mission.victims:
+        return Hindsight(aim.name, came_to, 0.0, 0.0, proved=True)
+    lost = {loss.robot: loss.time for loss in run.world.lost}
+    end = np.array([lost.get(robot.id, np.inf) for robot in mission.robots])
+    data = routing_data(Situation.of(mission))
+    data = replace(data, endurance=end * (1 + 1e-9))
+    with interruptible():
+        progress = Progress(
+            data,
+            aim,
+            routes_of_run(run, mission),
+            stop=MaximumRuntime(time_limit) | Interruption(interrupted),
+        )
+        progress.bound_at_once()
+        if not progress.done():
+            close_in(progress, seed=0, parameters=Parameters())
+    bound = min(progress.bound, progress.value)
+    return Hindsight(aim.name, came_to, progress.value, bound, proved=progress.closed())
+
+
+def as_it_turned_out(run: Run) -> Instance:
+    """The mission of what a run served, as its world had it, every cell free that ever was."""
+    mission, world = run.plan.instance, run.world
+    free = mission.map.free.copy()
+    for change in world.changes:
+        free[change.cell] |= change.free
+    speed = {drawn.robot: drawn.speed for drawn in world.speeds}
+    time = {(drawn.victim, drawn.kind): drawn.time for drawn in world.services}
+    served: dict[int, list[str]] = {}
+    for service in run.services:
+        if service.done:
+            served.setdefault(service.victim, []).append(service.kind)
+    return mission.replace(
+        map=replace(mission.map, free=free),
+        scouts=(),
+        robots=tuple(
+            robot.model_copy(update={"speed": speed[robot.id]}) for robot in mission.robots
+        ),
+        victims=tuple(
+            victim.model_copy(
+                update={
+                    "requirements": tuple(served[victim.id]),
+                    "service_time": {kind: time[victim.id, kind] for kind in served[victim.id]},
+                }
+            )
+            for victim in run.victims
+            if victim.id in served
+        ),
+    )
+
+
+def routes_of_run(run: Run, mission: Instance) -> Routes:
+    """Who served what in which order, by positions; later visits to a victim are joined to the first."""
+    position = {victim.id: v for v, victim in enumerate(mission.victims)}
+    number = {kind: k for k, kind in enumerate(mission.capabilities)}
+    routes = []
+    for robot in mission.robots:
+        visits: dict[int, list[int]] = {}
+        for service in run.services:
+            if service.robot == robot.id and service.done:
+                visits.setdefault(position[service.victim], []).append(number[service.kind])
+        routes.append(tuple((v, tuple(kinds)) for v, kinds in visits.items()))
+    return tuple(routes)
