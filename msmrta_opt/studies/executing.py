@@ -9,6 +9,7 @@ from statistics import fmean
 from typing import Any
 
 from ..execution.execute import execute_checked
+from ..execution.hindsight import hindsight
 from ..mission.instance import Instance
 from ..mission.run_metrics import RUN_METRICS
 from ..mission.scenario import Scenario
@@ -26,6 +27,8 @@ class Executing:
     """Of the policy."""
     scenario: Scenario
     runs: int
+    hindsight: float | None = None
+    """Seconds to find the best that a run's world allowed."""
 
     @property
     def folders(self) -> tuple[str, ...]:
@@ -59,6 +62,10 @@ class Executing:
             for name in RUN_METRICS:
                 values[name].append(getattr(run.metrics, name))
             values["deciding_seconds"].append(run.deciding_seconds)
+            if self.hindsight is not None:
+                best = hindsight(run, time_limit=self.hindsight)
+                values.setdefault("hindsight_best", []).append(best.best)
+                values.setdefault("hindsight_bound", []).append(best.bound)
         means = {name: fmean(values[name]) for name in RUN_METRICS}
         return {
             "metrics_json": json.dumps(means),

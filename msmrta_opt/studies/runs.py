@@ -186,13 +186,14 @@ def _executions(study: Study, planned: Sequence[Contender]) -> Iterator[Contende
             "policy_options": policy.options,
             "scenario": scenario[0].model_dump(mode="json"),
             "runs": scenario[1],
+            "hindsight": scenario[2],
         }
         yield replace(
             made, label=", ".join(labels), task=task, what={**made.what, **what}, field=policy.field
         )
 
 
-def _scenarios(study: Study) -> Iterator[tuple[Scenario, int]]:
+def _scenarios(study: Study) -> Iterator[tuple[Scenario, int, float | None]]:
     """The scenarios, each with how often plans are executed; a nameless one takes its file's name."""
     seen: dict[str, str] = {}
     for i, table in enumerate(study.scenarios):
@@ -208,7 +209,7 @@ def _scenarios(study: Study) -> Iterator[tuple[Scenario, int]]:
                     field=f"scenarios[{i}].file",
                 )
             seen[named.name] = file
-            yield named, table.runs
+            yield named, table.runs, table.hindsight
 
 
 @dataclass(frozen=True)

@@ -112,6 +112,8 @@ class ScenarioTable(_Table):
     file: Texts
     runs: PositiveInt = 100
     """How often each plan is executed by each policy: with the seeds from 0 on."""
+    hindsight: PositiveFloat | None = None
+    """Seconds to find, for each run, the best that its world allowed by total time; none by default."""
 
 
 class PolicyTable(_Options):

@@ -25,6 +25,7 @@ POLICIES = """
 [[scenarios]]
 file = "rough.toml"
 runs = 3
+hindsight = 1
 [[policies]]
 blocked = ["wait", "skip"]
 """
@@ -52,6 +53,8 @@ def test_a_study_executes_each_plan_by_each_policy_on_the_same_seeds(path: Path)
     assert wait.executions["makespan"] == skip.executions["makespan"]
     assert len(set(wait.executions["makespan"])) == 3
     assert wait.metrics["makespan"] == pytest.approx(sum(wait.executions["makespan"]) / 3)
+    best = zip(wait.executions["hindsight_best"], wait.executions["total_time"], strict=True)
+    assert all(0 < allowed <= came * (1 + 1e-9) for allowed, came in best)
     assert do(path) == []
     assert [record.executions for record in kept(path)]
 

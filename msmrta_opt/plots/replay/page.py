@@ -95,6 +95,9 @@ class Replay:
                 f"unknown format {suffix!r}; the suffix is one of .html, .gif, .mp4", file=path
             )
 
+    def __repr__(self) -> str:
+        return f"Replay({self._title()})"
+
     def _repr_html_(self) -> str:
         page = html.escape(self.page, quote=True)
         title = html.escape(f"Replay of {self._title()}", quote=True)

@@ -1,7 +1,7 @@
 """Policies compared: under each scenario what their runs come to, and pairs on the same seeds.
 
 A run that serves more wins; of runs that serve the same, the one that is better by the report's metric
-of quality. Where a policy is ``hindsight``, the others' distance from it is their regret.
+of quality. What a run is above the best that its world allowed, if that was looked for, is its regret.
 """
 
 from __future__ import annotations
@@ -29,8 +29,6 @@ from .text import file_names
 if TYPE_CHECKING:
     from ..record import Record
 
-HINDSIGHT = "hindsight"
-"""The policy that knows the world as it will be."""
 QUANTILES = (0.05, 0.5, 0.95)
 ALL_PAIRS = 4
 """Up to so many contenders all pairs are compared; of more the first with each other."""
@@ -124,7 +122,7 @@ def policy_section(records: Iterable[Record], quality: str) -> Section:
         blocks += [
             block
             for block in (
-                _regret(str(scenario), mine, quality, names[str(scenario)]),
+                _regret(str(scenario), mine, names[str(scenario)]),
                 _pairs(str(scenario), mine, quality, names[str(scenario)]),
             )
             if block is not None
@@ -188,38 +186,35 @@ def _pairs(scenario: str, runs: pd.DataFrame, quality: str, name: str) -> Table 
     )  # fmt: skip
 
 
-def _regret(scenario: str, runs: pd.DataFrame, quality: str, name: str) -> Table | None:
-    """How far each contender stays behind the one that knew all beforehand."""
-    known = [str(who) for who in runs.loc[runs["policy"] == HINDSIGHT, "contender"].unique()]
-    if not known:
+def _regret(scenario: str, runs: pd.DataFrame, name: str) -> Table | None:
+    """How far runs stay above the best that their worlds allowed, by total time."""
+    if "hindsight_best" not in runs or runs["hindsight_best"].isna().all():
         return None
-    found = _compared(runs, quality)
     rows = []
-    for who in (name for name in contenders(runs) if name not in known):
-        best = min(known, key=lambda name: name.partition(",")[0] != who.partition(",")[0])
-        less = 100 * (found.served[best] - found.served[who]).dropna().to_numpy(float)
-        short, pair = mean_of(less), found.pair(who, best)
-        alike = (found.served[best] - found.served[who]).abs() <= SAME
-        ratio = (found.worth[who] / found.worth[best])[alike].dropna()
+    for who in contenders(runs):
+        mine = runs[(runs["contender"] == who) & (runs["hindsight_best"] > 0)]
+        least = 100 * (mine["total_time"] / mine["hindsight_best"] - 1).to_numpy(float)
+        bounded = mine[mine["hindsight_bound"] > 0]
+        most = 100 * (bounded["total_time"] / bounded["hindsight_bound"] - 1).to_numpy(float)
+        proved = mine["hindsight_best"] - mine["hindsight_bound"] <= SAME * mine["hindsight_best"]
+        low = mean_of(np.maximum(least, 0))
         rows.append(
             {
                 "contender": who,
-                "against": best,
-                "runs": pair.instances,
-                "served less (points)": short.value,
-                "less from": short.low,
-                "less to": short.high,
-                "serve the same": int(alike.sum()),
-                f"{METRICS[quality].label} ratio": pair.quality.mean,
-                "from": pair.quality.low,
-                "to": pair.quality.high,
-                "highest": ratio.max() if len(ratio) else float("nan"),
+                "runs": len(mine),
+                "regret, at least (%)": low.value,
+                "from": low.low,
+                "to": low.high,
+                "highest (%)": least.max() if len(least) else float("nan"),
+                "regret, at most (%)": most.mean() if len(most) else float("nan"),
+                "proved (%)": 100 * proved.mean(),
             }
         )
     return Table(
         f"policies-regret-{name}", f"Regret against hindsight, under {scenario}", pd.DataFrame(rows),
-        "What is not served that hindsight serves, in points of what is available, over all runs; and"
-        " over those that serve the same, the geometric mean of the ratio, and the highest.",
+        "Total time above the best that the world of a run allowed, of what it served, had all been"
+        " known from the beginning: above the best found, and above the bound that is proved. Means over"
+        " runs, in per cent; proved are the runs whose best is proved to be optimal.",
     )  # fmt: skip
 
 
