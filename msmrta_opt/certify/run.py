@@ -181,7 +181,7 @@ class _Check:
             true, leeway = drawn[service.victim, service.kind], CLOSE * service.ended
             if service.kind not in self.robots[service.robot].capabilities:
                 yield f"{said} without having it"
-            if self.at(service.robot, service.began) != self.victims[service.victim].cell:
+            if self.victims[service.victim].cell not in self.places(service.robot, service.began):
                 yield f"{said} from another cell"
             known = self.known.get(service.victim, 0.0)
             if known is None or service.began < known:
@@ -199,6 +199,12 @@ class _Check:
         track = self.tracks[robot]
         return track.cells[max(int(np.searchsorted(track.times, time, side="right")) - 1, 0)]
 
+    def places(self, robot: int, time: float) -> tuple[Cell, ...]:
+        """Where a robot is at a time: several cells, where it is so quick that no time passes."""
+        track = self.tracks[robot]
+        first = max(int(np.searchsorted(track.times, time, side="left")) - 1, 0)
+        return track.cells[first : int(np.searchsorted(track.times, time, side="right"))]
+
     @cached_property
     def seen(self) -> Mapping[int, tuple[float, int]]:
         """When robots first see a victim that is unknown, and which of them it is."""
@@ -213,12 +219,17 @@ class _Check:
                 (time, order[track.robot], track.robot)
                 for track in self.run.tracks
                 for cell, time in zip(track.cells, track.times, strict=True)
-                if sight[cell]
+                if sight[cell] and time < self.lost.get(track.robot, np.inf)
             ]
             if looks:
                 time, _, robot = min(looks)
                 found[item.victim.id] = (time, robot)
         return found
+
+    @cached_property
+    def announced(self) -> Mapping[int, tuple[float | None, ...]]:
+        """When a victim that is unknown at first is announced, if it is."""
+        return {item.victim.id: (item.announced,) for item in self.run.world.unknown}
 
     @cached_property
     def known(self) -> Mapping[int, float | None]:
@@ -246,25 +257,28 @@ class _Check:
             for queues, left in zip(self.told, [*before, {}], strict=True):
                 queue = queues.get(robot, [])
                 told += queue[: len(queue) - len(left.get(robot, []))]
-            skips = Counter(
-                e.victim for e in self.run.events if e.what == "skipped" and e.robot == robot
-            )
-            done = [(s.victim, s.kind) for s in services]
+            skips: dict[int | None, list[float]] = {}
+            for event in self.run.events:
+                if event.what == "skipped" and event.robot == robot:
+                    skips.setdefault(event.victim, []).append(event.time)
+            done = list(services)
             for victim, kinds in told:
                 visit = [(victim, kind) for kind in kinds]
-                if done[: len(visit)] == visit:
+                missed = skips.get(victim)
+                if missed and not (done and done[0].began < missed[0]):
+                    missed.pop(0)
+                elif [(s.victim, s.kind) for s in done[: len(visit)]] == visit:
                     done = done[len(visit) :]
-                elif skips[victim]:
-                    skips[victim] -= 1
                 elif robot in self.lost or may_wait:
-                    done = [] if done == visit[: len(done)] else done
+                    begun = [(s.victim, s.kind) for s in done]
+                    done = [] if begun == visit[: len(begun)] else done
                     break
                 else:
                     yield f"robot {robot} does not do at victim {victim} what it is told"
                     break
             if done:
-                yield f"robot {robot} serves {done[0][1]} at victim {done[0][0]} without being told"
-            if skips.total():
+                yield f"{_said(done[0])} without being told"
+            if any(skips.values()):
                 yield f"robot {robot} leaves out visits that it was not told to make"
 
     def decisions(self) -> Iterator[str]:
@@ -322,7 +336,7 @@ class _Check:
                     true[change.time, what, None, None, None, cell] += 1
         for victim, time in self.known.items():
             sight = self.seen.get(victim)
-            if sight is not None and sight[0] == time:
+            if sight is not None and sight[0] == time and time not in self.announced[victim]:
                 true[time, "found", sight[1], victim, None, None] += 1
             elif time is not None:
                 true[time, "announced", None, victim, None, None] += 1
@@ -352,8 +366,7 @@ class _Check:
     def noticed(self, said: Set[tuple[float, Cell | None]]) -> Iterator[tuple[float, Cell]]:
         """When it becomes known that a cell is not as it was thought to be.
 
-        The last move of a robot that was lost over it has left no trace: whether it stood where it was
-        last, and looked, is as is `said`.
+        Where it is not sure whether a robot stood somewhere, and looked, it is as is `said`.
         """
         free = {cell: self.mission.map.is_free(cell) for cell in self.changes}
         thought = dict(free)
@@ -361,7 +374,8 @@ class _Check:
         looks: dict[float, list[Cell]] = {}
         for track in self.run.tracks:
             for cell, time in zip(track.cells, track.times, strict=True):
-                looks.setdefault(time, []).append(cell)
+                if time < self.lost.get(track.robot, np.inf):
+                    looks.setdefault(time, []).append(cell)
         changed: dict[float, list[Change]] = {}
         for change in self.run.world.changes:
             changed.setdefault(change.time, []).append(change)
@@ -373,8 +387,8 @@ class _Check:
             else:
                 here, last = list(looks.get(time, [])), []
                 if time in changed:
-                    here += self._standing(time, lost=False)
-                    last = list(self._standing(time, lost=True))
+                    here += self._standing(time, surely=True)
+                    last = list(self._standing(time, surely=False))
                 seen = {cell for place in here for cell in _beside(place)}
                 maybe = {cell for place in last for cell in _beside(place)}
                 seen |= {cell for cell in maybe if (time, cell) in said}
@@ -383,27 +397,32 @@ class _Check:
                     thought[cell] = free[cell]
                     yield time, cell
 
-    def _standing(self, time: float, *, lost: bool) -> Iterator[Cell]:
+    def _standing(self, time: float, *, surely: bool) -> Iterator[Cell]:
         """Where robots are that are not lost by a time, and not under way to another cell.
 
-        With `lost`, those that are lost later on, after their last move; else all others.
+        Not sure is it of those that are lost after their last move, and of those that set out at that
+        time, give and take rounding.
         """
         for track in self.run.tracks:
             loss = self.lost.get(track.robot, np.inf)
-            ends = np.isfinite(loss) and time > track.times[-1]
-            if loss <= time or ends != lost:
-                continue
             number = int(np.searchsorted(track.times, time))
-            step = 1 / self.speed[track.robot]
+            if loss <= time:
+                continue
             if number == len(track.times):
-                yield track.cells[-1]
-            elif track.times[number] - step >= time - CLOSE * track.times[number]:
+                if surely == bool(np.isinf(loss)):
+                    yield track.cells[-1]
+                continue
+            ahead = track.times[number] - 1 / self.speed[track.robot] - time
+            close = abs(ahead) <= CLOSE * track.times[number]
+            if close != surely and (close or ahead > 0):
                 yield track.cells[max(number - 1, 0)]
 
     def _is_beside(self, time: float, robot: int | None, cell: Cell | None) -> bool:
         if self.run.scenario.notice == "at_once" or cell is None:
             return robot is None
-        return robot in self.tracks and cell in _beside(self.at(robot, time))
+        if robot is None or robot not in self.tracks:
+            return False
+        return any(cell in _beside(place) for place in self.places(robot, time))
 
 
 def _beside(cell: Cell) -> tuple[Cell, ...]:

@@ -142,7 +142,10 @@ class Simulation:
         for body in self.bodies:
             body.cells.append(body.cell)
             body.times.append(0.0)
-            self._look(body, 0.0)
+        self._happen(0.0)
+        for body in self.bodies:
+            if not body.lost:
+                self._look(body, 0.0)
         while now is not None:
             self._happen(now)
             self._finish(now)
