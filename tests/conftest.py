@@ -52,9 +52,18 @@ def pytest_xdist_auto_num_workers() -> int:
     return (os.cpu_count() or 1) + 1
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with long tests first, so that no process waits for another in the end."""
-    items.sort(key=lambda item: item.path.name not in LONG)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Begin each process' share with its part of the long tests: none is left over for the end."""
+    n_shares = getattr(config, "workerinput", {}).get("workercount", 1)
+    long = [item for item in items if item.path.name in LONG]
+    others = [item for item in items if item.path.name not in LONG]
+    ends = [len(items) * (i + 1) // n_shares for i in range(n_shares)]
+    items.clear()
+    for i, end in enumerate(ends):  # shares follow each other, all of a size
+        own = long[i::n_shares]
+        n_others = max(end - len(items) - len(own), 0) if end < ends[-1] else len(others)
+        items += [*own, *others[:n_others]]
+        del others[:n_others]
 
 
 @pytest.fixture(scope="session")
