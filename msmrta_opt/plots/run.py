@@ -125,7 +125,7 @@ def _came_to(run: Run) -> str:
         f"total time {planned.total_time:.5g}, {done.total_time:.5g}",
     ]
     if done.replans:
-        parts.append(f"replanned {done.replans} times")
+        parts.append("replanned once" if done.replans == 1 else f"replanned {done.replans} times")
     return " · ".join(parts)
 
 
