@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from .errors import InputError
 from .grid import Cell, GridMap
 from .instance import Instance, Robot, Victim
 from .layouts import check_share, largest_region, random_stream, share_of
+from .named_maps import find_map
 
 KINDS = (
     "FirstAids",
@@ -63,7 +65,7 @@ def kinds_with_times(count: int) -> dict[str, float]:
 
 
 def generate_mission(
-    grid: GridMap,
+    grid: GridMap | str | Path,
     n_robots: int,
     n_victims: int,
     *,
@@ -85,8 +87,8 @@ def generate_mission(
 
     Parameters
     ----------
-    grid : GridMap
-        The map.
+    grid : GridMap, str or path
+        The map, the name of one that comes with the package, or a file.
     n_robots, n_victims : int
         How many.
     seed : int
@@ -113,9 +115,12 @@ def generate_mission(
     Raises
     ------
     InputError
-        If a number is out of range, the map has too few cells in or out of reach, the robots
-        cannot have all kinds between them, or the share of unmeetable requirements cannot be had.
+        If there is no such map, a number is out of range, the map has too few cells in or out of
+        reach, the robots cannot have all kinds between them, or the share of unmeetable
+        requirements cannot be had.
     """
+    if not isinstance(grid, GridMap):
+        grid = find_map(grid)
     if not 1 <= kinds <= MAXIMUM_KINDS:
         raise InputError(f"{kinds!r}; give 1 to {MAXIMUM_KINDS}", field="kinds")
     _check_range("per_robot", per_robot, kinds)

@@ -20,6 +20,7 @@ from msmrta_opt.mission.generate import KINDS, SERVICE_TIME, SPEEDS, generate_mi
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
+from msmrta_opt.mission.named_maps import find_map
 
 ROOT = Path(__file__).parents[2]
 GROUND = grid_from_rows(["..@.", "@...", "...."])
@@ -54,6 +55,15 @@ def test_the_same_seed_gives_the_same_mission_in_every_process() -> None:
 @given(seed=SEEDS)
 def test_the_same_seed_gives_the_same_mission(seed: int) -> None:
     assert free_mission(GROUND, 3, 4, seed=seed) == free_mission(GROUND, 3, 4, seed=seed)
+
+
+def test_a_map_may_be_named_and_an_unknown_name_is_refused() -> None:
+    named = generate_mission("map0", 2, 3, seed=4)
+    assert named == generate_mission(find_map("map0"), 2, 3, seed=4)
+    with pytest.raises(
+        InputError, match=r"'map00' is no file and no known map .did you mean 'map0'"
+    ):
+        generate_mission("map00", 2, 3, seed=4)
 
 
 def test_other_seeds_give_other_missions() -> None:

@@ -79,7 +79,7 @@ def place(lines: list[str], holds: Callable[[str], bool]) -> int:
 LIMITS: dict[str, dict[str, object]] = {
     "open": {},
     "returning": {"return_to_start": True},
-    "limited": {"endurance": 500.0, "longest_walk": 60.0},
+    "limited": {"endurance": 650.0, "longest_walk": 90.0},
 }
 
 
