@@ -1,8 +1,8 @@
 """The independent checker of runs.
 
-It shares no code with the simulator, and knows of no policy: from the plan, the scenario and the world
-that are stored, it works out again what the map was at each time, who could know of whom, how long
-things took, and what it all came to.
+It shares no code with the simulator, and of policies it knows no more than that `keep` decides
+nothing: from the plan, the scenario and the world that are stored, it works out again what the map was
+at each time, who could know of whom, how long things took, and what it all came to.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from ..mission.route import Visit
 from ..mission.run import Change, Queued, Run, Service, Walked
 from .plan import problems as problems_of_plan
 from .run_figures import figures
+from .run_reasons import may_stop
+from .run_reasons import problems as problems_of_reasons
 from .run_world import problems as problems_of_world
 from .scouting import in_sight
 
@@ -34,7 +36,8 @@ def problems(run: Run) -> list[str]:
     free cell at a time, at the speed that was drawn, into cells that are free when they begin to; they
     serve victims that are known, where they are, with kinds that they have, for as long as was drawn,
     as the plan or the last decision says; lost robots do nothing any more; events and decisions are
-    those that follow; the figures are those of the run.
+    those that follow, and robots have a reason for what they do (`run_reasons`); the figures are those
+    of the run. The seed is only claimed.
     """
     return problems_of_plan(run.plan) or problems_of_execution(run)
 
@@ -49,7 +52,8 @@ def problems_of_execution(run: Run) -> list[str]:
     wrong = wrong or list(check.services())
     if wrong:
         return wrong
-    return [*check.decisions(), *check.orders(), *check.events(), *_figures(run)]
+    wrong = [*check.decisions(), *check.orders(), *check.events(), *_figures(run)]
+    return wrong or list(problems_of_reasons(run))
 
 
 def check_run(run: Run) -> Run:
@@ -251,7 +255,6 @@ class _Check:
     def orders(self) -> Iterator[str]:
         """Robots do what they are told, visit by visit, unless they leave it out or are lost."""
         before = [{q.robot: _orders(q.visits) for q in d.before} for d in self.run.decisions]
-        may_wait = self.run.options.get("blocked") == "wait"
         for robot, services in self.serves.items():
             told: list[_Order] = []
             for queues, left in zip(self.told, [*before, {}], strict=True):
@@ -269,7 +272,7 @@ class _Check:
                     missed.pop(0)
                 elif [(s.victim, s.kind) for s in done[: len(visit)]] == visit:
                     done = done[len(visit) :]
-                elif robot in self.lost or may_wait:
+                elif may_stop(self.run, robot, victim, kinds):
                     begun = [(s.victim, s.kind) for s in done]
                     done = [] if begun == visit[: len(begun)] else done
                     break

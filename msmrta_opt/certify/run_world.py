@@ -13,8 +13,8 @@ from ..mission.scenario import Distribution
 
 CLOSE = 1e-9
 """Share of a factor up to which two are the same."""
-EXTREME = 1e30
-"""Speeds and times beyond, or below one part of it, are cut off there."""
+SMALLEST, LARGEST = 1e-30, 1e30
+"""Speeds and times beyond are cut off there."""
 
 
 def problems(run: Run) -> list[str]:
@@ -24,14 +24,16 @@ def problems(run: Run) -> list[str]:
     except InputError as error:
         each = error.each if isinstance(error, MistakesError) else (error,)
         return [f"the scenario is for another mission: {one}" for one in each]
-    return [*_unknown(run), *_speeds(run), *_services(run), *_lost(run), *_changes(run)]
+    if wrong := list(_unknown(run)):
+        return wrong
+    return [*_speeds(run), *_services(run), *_lost(run), *_changes(run)]
 
 
 def _can_be(value: float, planned: float, distribution: Distribution) -> bool:
     """Whether a value can come of the planned one, give and take rounding."""
     if planned == 0:
         return value == 0
-    if value >= EXTREME or value <= 1 / EXTREME:
+    if value >= LARGEST or value <= SMALLEST:
         return True
     factor = value / planned
     near = (factor, factor * (1 + CLOSE), factor * (1 - CLOSE))

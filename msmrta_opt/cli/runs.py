@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -79,7 +80,13 @@ def run(
         if number < 1:
             raise InputError(f"{number}; give 1 or more", field=name)
     check_outputs(json, figure=figure, inputs=[plan, scenario])
-    names = list(dict.fromkeys(policy or ["keep"]))
+    for time in by or ():
+        if not 0 <= time < math.inf:
+            raise InputError(f"{time!r}; give a time, 0 or more", field="--by")
+    names = policy or ["keep"]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            raise InputError(f"{name!r} is repeated; give each policy once", field="--policy")
     options = _options(names, named_values(option))
     made = Plan.read(plan)
     given = Scenario() if scenario is None else Scenario.read(scenario)
@@ -287,7 +294,7 @@ def _show_many(
         for policy, victim, time, chance in _served(plan, found, names, by)
     ]
     table(
-        "Probability that a victim is served whole by a time",
+        "Probability that a victim has, by a time, all that robots can give",
         ["policy", "victim", "by", "probability", "95 %"],
         rows,
     )
@@ -327,7 +334,7 @@ def _show(run: Run) -> None:
     needs = {victim.id: len(victim.requirements) for victim in run.victims}
     served = {v: sum(s.done and s.victim == v for s in run.services) for v in needs}
     table(
-        "Victims: when the last of their requirements was done",
+        "Victims: when the last of what was served was done",
         ["victim", "planned", "done", "served", "of"],
         [(v, planned.get(v), done.get(v), served[v], needs[v]) for v in needs],
     )

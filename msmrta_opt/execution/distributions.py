@@ -113,7 +113,7 @@ def of_policy(outcomes: Iterable[Outcome], policy: str) -> list[Outcome]:
 
 
 def served_by(outcomes: Sequence[Outcome], victim: int, time: float) -> Probability:
-    """The probability that a victim is served whole by a time."""
+    """The probability that a victim has, by a time, all that any robot has for it."""
     successes = sum(outcome.served.get(victim, math.inf) <= time for outcome in outcomes)
     return probability(successes, len(outcomes))
 

@@ -19,8 +19,8 @@ from ..mission.run import Run
 from ..mission.scenario import Scenario
 from .execute import execute_checked
 
-CHUNK = 10
-"""Seeds that a process does at a time."""
+CHUNKS = 4
+"""Shares of the seeds for each process that runs at the same time."""
 PRELOAD = ("msmrta_opt.execution.many_runs", "msmrta_opt.planners", "networkx")
 
 
@@ -81,7 +81,8 @@ def execute_many(
                 return
             yield from outcomes(plan, scenario, policies, [seed])
         return
-    calls = [(plan, scenario, policies, seeds[i : i + CHUNK]) for i in range(0, len(seeds), CHUNK)]
+    size = max(len(seeds) // (CHUNKS * jobs), 1)
+    calls = [(plan, scenario, policies, seeds[i : i + size]) for i in range(0, len(seeds), size)]
     with closing(run_isolated(outcomes, calls, jobs=jobs, preload=PRELOAD)) as results:
         for _, found in results:
             if isinstance(found, Failure):

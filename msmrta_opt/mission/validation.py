@@ -107,6 +107,8 @@ def problems_of(error: ValidationError, model: type[BaseModel] | None = None) ->
         What was to be read; with it a misspelt field is told what was meant.
     """
     every = error.errors(include_url=False)
+    if other := [x for x in every if x["loc"] == ("format",) and x["type"] != "missing"]:
+        every = other  # of a file of another kind nothing else says anything
     found: list[InputError] = []
     for item in every:
         if item["type"] == "too_short" and any(_is_inside(x["loc"], item["loc"]) for x in every):

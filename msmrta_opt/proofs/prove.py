@@ -86,7 +86,8 @@ class Proof:
     @property
     def summary(self) -> str:
         """What is proved, what it took, and what is only claimed, in a line."""
-        took = f"{self.leaves} leaves, {self.size} bytes, {self.seconds:.1f} s"
+        leaves = "1 leaf" if self.leaves == 1 else f"{self.leaves} leaves"
+        took = f"{leaves}, {self.size} bytes, {self.seconds:.1f} s"
         if self.status == "proved":
             said = f"proved ({took})"
         elif self.status == "infeasible":

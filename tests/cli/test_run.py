@@ -1,0 +1,62 @@
+"""The command run: what it refuses, and where its numbers come from."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from msmrta_opt.mission.plan import Plan
+
+Command = Callable[..., int]
+
+REFUSED = {
+    "--runs 0": "--runs: 0; give 1 or more",
+    "--jobs 0": "--jobs: 0; give 1 or more",
+    "--runs 2 --by nan": "--by: nan; give a time, 0 or more",
+    "--runs 2 --by inf": "--by: inf; give a time, 0 or more",
+    "--runs 2 --by -5": "--by: -5.0; give a time, 0 or more",
+    "--by 5": "--by: is for several runs; give --runs with it",
+    "--policy keep --policy keep": "--policy: 'keep' is repeated; give each policy once",
+    "--policy kepp": "policy: 'kepp' (did you mean 'keep'?); give one of keep, repair, replan",
+    "--runs 2 --regret 1": "--regret: is for one run; give one policy and no --runs",
+    "--runs 2 --figure a.png": "--figure: is for one run; give one policy and no --runs",
+    "--regret nan": "--regret: nan; give 0 or more",
+}
+
+
+@pytest.mark.parametrize("options", REFUSED)
+def test_what_cannot_be_is_refused_in_one_line(
+    options: str, msmrta: Command, plan: Plan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan.save(tmp_path / "plan.json")
+    assert msmrta("run", tmp_path / "plan.json", *options.split()) == 2
+    assert capsys.readouterr().err == f"error: {REFUSED[options]}\n"
+
+
+def test_a_file_of_another_kind_is_told_by_that_alone(
+    msmrta: Command, plan: Plan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan.save(tmp_path / "plan.json")
+    run = tmp_path / "run.json"
+    assert msmrta("run", tmp_path / "plan.json", "--json", run) == 0
+    capsys.readouterr()
+    for command in (["run", run], ["export-plan", run, "-o", tmp_path / "a.csv"]):
+        assert msmrta(*command) == 2
+        said = capsys.readouterr().err
+        assert said == f"error: {run}: format: 'msmrta-run/1'; give 'msmrta-plan/1'\n"
+
+
+def test_what_comes_of_a_seed_does_not_depend_on_the_number_of_processes(
+    msmrta: Command, plan: Plan, tmp_path: Path
+) -> None:
+    plan.save(tmp_path / "plan.json")
+    scenario = tmp_path / "noise.toml"
+    scenario.write_text('[[speed]]\ndistribution = "lognormal"\nsigma = 0.3\n')
+    files = [tmp_path / "one.json", tmp_path / "two.json"]
+    for jobs, file in enumerate(files, start=1):
+        asked = ("--scenario", scenario, "--runs", 3, "--jobs", jobs, "--json", file)
+        assert msmrta("run", tmp_path / "plan.json", *asked) == 0
+    assert json.loads(files[0].read_text()) == json.loads(files[1].read_text())
