@@ -45,11 +45,14 @@ class Relaxed:
     """Whether its side is one of ``≥``."""
     exact: Fraction | None = None
     """`by` in exact numbers, if it is proved."""
+    is_equation: bool = False
+    """Whether it has the same side on the other side, too, which moves along."""
 
     @property
     def text(self) -> str:
         """For instance ``robot 2 has at most one cluster: ≤ 2 instead of ≤ 1``."""
         sign, moved = ("≥", self.side - self.by) if self.is_lower else ("≤", self.side + self.by)
+        sign = "=" if self.is_equation else sign
         return f"{self.name}: {sign} {moved:g} instead of {sign} {self.side:g}"
 
 
@@ -210,7 +213,8 @@ class _Elastic:
                 side = float((self.lower if is_lower else self.upper)[i] * self.signs[i])
                 exact = None if isinstance(by, float) else Fraction(by)
                 as_told = is_lower == bool(self.signs[i] > 0)
-                found.append(Relaxed(self.names[i], side, float(by), as_told, exact))
+                equal = i < self.own.n_rows and bool(self.lower[i] == self.upper[i])
+                found.append(Relaxed(self.names[i], side, float(by), as_told, exact, equal))
         return tuple(found)
 
 

@@ -145,6 +145,14 @@ def test_rows_are_told_as_they_are_written() -> None:
     ]
 
 
+def test_an_equation_stays_one() -> None:
+    x = cp.Variable(2, boolean=True, name="x")
+    for side, moved in ((1.5, "= 1 instead of = 1.5"), (2.75, "= 2 instead of = 2.75")):
+        asked = cp.Problem(cp.Minimize(cp.sum(x)), [(cp.sum(x) == side).set_label("so many")])
+        found = repair(subject(asked).program)
+        assert [item.text for item in found.rows] == [f"so many: {moved}"]
+
+
 def test_without_time_there_is_none() -> None:
     assert repair(two_rows(), time_limit=0.0).cost in (None, 1.0)
 
