@@ -84,20 +84,8 @@ def test_whatever_happens_the_run_keeps_to_the_rules_and_is_the_same_again(numbe
 
 @pytest.fixture
 def corridor() -> Plan:
-    """One robot, speed 1, in a corridor of six cells; victims at its cells 2 and 5, 10 each."""
-    mission = Instance.from_document(
-        {
-            "map": {"rows": ["......", "@@@.@@"]},
-            "capabilities": ["Aid"],
-            "service_time": {"Aid": 10.0},
-            "robots": [{"id": 4, "start": [0, 0], "speed": 1.0, "capabilities": ["Aid"]}],
-            "victims": [
-                {"id": 7, "cell": [0, 2], "requirements": ["Aid"]},
-                {"id": 8, "cell": [0, 5], "requirements": ["Aid"]},
-            ],
-        }
-    )
-    return make_plan(mission, planner="ssi")
+    """A plan for the corridor."""
+    return make_plan(Instance.from_document(executions.CORRIDOR), planner="ssi")
 
 
 def ended(run: Run) -> dict[int, float]:

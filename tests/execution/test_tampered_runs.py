@@ -81,22 +81,10 @@ def test_a_run_with_one_thing_changed_is_refused(number: int) -> None:
             )
 
 
-CORRIDOR: dict[str, Any] = {
-    "map": {"rows": ["......", "@@@.@@"]},
-    "capabilities": ["Aid"],
-    "service_time": {"Aid": 10.0},
-    "robots": [{"id": 4, "start": [0, 0], "speed": 1.0, "capabilities": ["Aid"]}],
-    "victims": [
-        {"id": 7, "cell": [0, 2], "requirements": ["Aid"]},
-        {"id": 8, "cell": [0, 5], "requirements": ["Aid"]},
-    ],
-}
-
-
 @pytest.fixture
 def corridor() -> dict[str, Any]:
     """A run in which nothing happens: victim 7 is served from 2 to 12, victim 8 from 15 to 25."""
-    return execute(make_plan(Instance.from_document(CORRIDOR), planner="ssi")).document()
+    return execute(make_plan(Instance.from_document(executions.CORRIDOR), planner="ssi")).document()
 
 
 def figured(changed: dict[str, Any]) -> Run:
@@ -194,6 +182,6 @@ def test_a_victim_that_needs_what_there_is_not_is_refused_and_no_error(
 
 @pytest.mark.parametrize("factor", [1e-300, 5e-324, 1e-6])
 def test_speeds_and_times_that_are_cut_off_pass(factor: float) -> None:
-    slow = {**CORRIDOR, "robots": [{**CORRIDOR["robots"][0], "speed": 1e-27}]}
+    slow = {**executions.CORRIDOR, "robots": [{**executions.CORRIDOR["robots"][0], "speed": 1e-27}]}
     plan = make_plan(Instance.from_document(slow), planner="ssi")
     assert problems(execute(plan, {"speed": [{"value": factor}]})) == []

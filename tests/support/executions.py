@@ -1,4 +1,4 @@
-"""Random plans and scenarios, by number: missions plain and odd, and all that may happen to them."""
+"""Random plans and scenarios, by number, on missions plain and odd; and a mission by hand."""
 
 from __future__ import annotations
 
@@ -19,6 +19,17 @@ MAPS = [
     read_map(Path(__file__).parents[2] / "instances" / "maps" / f"map{i}.map") for i in range(4)
 ]
 QUICK_PLANNERS = ("ssi", "greedy", "random", "mrga", "msmrta")
+CORRIDOR: dict[str, Any] = {
+    "map": {"rows": ["......", "@@@.@@"]},
+    "capabilities": ["Aid"],
+    "service_time": {"Aid": 10.0},
+    "robots": [{"id": 4, "start": [0, 0], "speed": 1.0, "capabilities": ["Aid"]}],
+    "victims": [
+        {"id": 7, "cell": [0, 2], "requirements": ["Aid"]},
+        {"id": 8, "cell": [0, 5], "requirements": ["Aid"]},
+    ],
+}
+"""One robot, speed 1, in a corridor of six cells; victims at its cells 2 and 5, 10 each."""
 
 
 def mission(number: int) -> Instance:
