@@ -23,6 +23,12 @@ WRONG: dict[str, Callable[[], object]] = {
         mo.example("corridor"),
         "phi",  # type: ignore[call-overload]
     ),
+    "a number over which to trade off": lambda: mo.tradeoff(mo.example("corridor"), 3),  # type: ignore[call-overload]
+    "a text for a count": lambda: mo.generate_mission("map0", "2", 3, seed=1),  # type: ignore[arg-type]
+    "an unknown map": lambda: mo.generate_mission("map9", 2, 3, seed=1),
+    "a mission for a plan, executed": lambda: mo.execute(mo.example("corridor")),  # type: ignore[arg-type]
+    "a plan for a run": lambda: mo.hindsight(mo.plan(mo.example("corridor"), planner="ssi")),  # type: ignore[arg-type]
+    "a number for a plan": lambda: mo.plan(mo.example("corridor"), planner="ssi").diff(3),  # type: ignore[arg-type]
     "a study that is none": lambda: mo.study({}, "mine.toml"),
     "a baseline that is none": lambda: mo.against_baseline("none.json", ["corridor"]),
     "a robot that is none": lambda: mo.plan(mo.example("corridor"), planner="greedy").route(99),

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..interruption import interrupted, interruptible
-from ..mission.errors import InputError
+from ..mission.errors import InputError, shown
 from ..mission.instance import Instance
 from ..mission.run import Run
 from ..routing.incumbent import Progress
@@ -80,8 +80,11 @@ def hindsight(run: Run, *, objective: str = DEFAULT, time_limit: float = 10.0) -
     Raises
     ------
     InputError
-        If there is no such objective, the limit is none, or the plan keeps to limits of its own.
+        If it is no run, there is no such objective, the limit is none, or the plan keeps to limits of
+        its own.
     """
+    if not isinstance(run, Run):
+        raise InputError(f"{shown(run)}; give a run, as msmrta_opt.execute returns it", field="run")
     aim = objective_of(objective)
     if isinstance(time_limit, bool) or not time_limit >= 0:
         raise InputError(f"{time_limit!r}; give a number, 0 or more", field="time_limit")

@@ -132,6 +132,9 @@ def generate_mission(
         check_share(share, name)
         if share and not solvable:
             raise InputError("goes with missions that can be solved otherwise", field=name)
+    for name, count in {"n_robots": n_robots, "n_victims": n_victims}.items():
+        if isinstance(count, bool) or not isinstance(count, (int, np.integer)):
+            raise InputError(f"{count!r}; give a whole number", field=name)
     if n_robots < 1 or n_victims < 0:
         raise InputError("at least one robot and no fewer than no victims", field="counts")
     wanted = _Wanted(

@@ -17,7 +17,7 @@ from pydantic import Field, NonNegativeInt
 from ..public import load
 from . import display
 from .convergence import Convergence, SearchRecord
-from .errors import InputError
+from .errors import InputError, shown
 from .files import write_text
 from .instance import CellField, Instance
 from .metrics import Metrics, metrics_of
@@ -216,7 +216,17 @@ class Plan(PlanRecord):
         return pd.DataFrame(TABLES[what](self), columns=columns)
 
     def diff(self, other: Plan) -> PlanDifference:
-        """What `other` does otherwise: visits moved, metrics beside each other, a picture of both."""
+        """What `other` does otherwise: visits moved, metrics beside each other, a picture of both.
+
+        Raises
+        ------
+        InputError
+            If it is no plan.
+        """
+        if not isinstance(other, Plan):
+            raise InputError(
+                f"{shown(other)}; give a plan, as msmrta_opt.plan returns it", field="other"
+            )
         return PlanDifference(self, other)
 
     def convergence(self, **others: Plan) -> Convergence:

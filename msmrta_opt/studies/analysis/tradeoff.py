@@ -80,7 +80,7 @@ def tradeoff(
     ModelError
         If the formulation's value is not linear in the parameter, so that it has no such pieces.
     """
-    if not isinstance(over, str) and sorted(over) == ["beta", "psi"]:
+    if isinstance(over, (tuple, list)) and sorted(map(str, over)) == ["beta", "psi"]:
         if model is not None:
             raise InputError(
                 f"{model!r}; over both give cluster_model and victim_model", field="model"
