@@ -116,8 +116,9 @@ def _run(arguments: list[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         return _interrupted()
     except OSError as error:
-        # A full disk, a name too long: the system's own words, which name the file.
-        return _complain(error, 2)
+        # A full disk, a name too long: the system's own words.
+        named = f"{error.filename}: " if error.filename else ""
+        return _complain(f"{named}{error.strerror or error}", 2)
     if status == 130:  # typer's word for a Ctrl-C, whichever signal it was
         return _interrupted()
     return status if isinstance(status, int) else 0

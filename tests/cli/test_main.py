@@ -97,7 +97,6 @@ def test_an_unknown_command_gets_one_line(msmrta: Run, capsys: Capture) -> None:
         (SolverError("scip is not installed"), 2),
         (CheckError("the plan jumps"), 1),
         (InputError("two\nlines"), 2),
-        (OSError(errno.ENOSPC, "No space left on device", "plan.json"), 2),
     ],
 )
 def test_an_error_gets_one_line_and_its_status(
@@ -113,6 +112,14 @@ def test_an_error_gets_one_line_and_its_status(
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err == f"error: {' '.join(str(error).split())}\n"
+
+
+def test_an_error_of_the_system_is_told_with_its_file_and_without_its_number(
+    msmrta: Run, corridor_file: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    failing(monkeypatch, OSError(errno.ENOSPC, "No space left on device", "plan.json"))
+    assert msmrta("plan", corridor_file) == 2
+    assert capsys.readouterr().err == "error: plan.json: No space left on device\n"
 
 
 def test_a_file_name_that_is_too_long_gets_one_line(

@@ -36,3 +36,12 @@ def test_export_plan_refuses_a_folder_that_is_not_there(
     plan.save(tmp_path / "plan.json")
     assert msmrta("export-plan", tmp_path / "plan.json", "-o", tmp_path / "no" / "w.csv") == 2
     assert "no folder" in capsys.readouterr().err
+
+
+def test_a_name_that_the_system_does_not_take_is_told_in_a_line(
+    msmrta: Run, plan: Plan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan.save(tmp_path / "plan.json")
+    name = tmp_path / f"{'x' * 300}.csv"
+    assert msmrta("export-plan", tmp_path / "plan.json", "-o", name) == 2
+    assert capsys.readouterr().err == f"error: {name}: File name too long\n"
