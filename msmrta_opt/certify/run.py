@@ -20,7 +20,7 @@ from ..mission.route import Visit
 from ..mission.run import Change, Queued, Run, Service, Walked
 from .plan import problems as problems_of_plan
 from .run_figures import figures
-from .run_reasons import may_stop
+from .run_reasons import blocked_from, may_stop
 from .run_reasons import problems as problems_of_reasons
 from .run_world import problems as problems_of_world
 from .scouting import in_sight
@@ -154,7 +154,10 @@ class _Check:
                 yield f"{who} moves into {(r1, c1)}, which is blocked at {time - step:g}"
 
     def acts(self, track: Walked) -> Iterator[str]:
-        """Moves and services one after the other, each as long as it takes, none after a loss."""
+        """Moves and services one after the other, each as long as it takes, none after a loss.
+
+        Where no cell is ever blocked, a robot that has stood still goes on by a decision alone.
+        """
         who, step = f"robot {track.robot}", 1 / self.speed[track.robot]
         acts = [(time - step, time, f"moves into {cell}") for cell, time in _entered(track)]
         acts += [
@@ -163,12 +166,17 @@ class _Check:
         ]
         acts.sort(key=lambda act: (act[1], act[0]))
         clock, loss = 0.0, self.lost.get(track.robot)
+        may_wait = np.isfinite(blocked_from(self.run))
+        decided = [decision.time for decision in self.run.decisions]
         for began, ended, what in acts:
             leeway = CLOSE * ended
             if ended < began:
                 yield f"{who} {what} until {ended:g}, before it begins"
             if began < clock - leeway:
                 yield f"{who} {what} from {began:g}, when it is under way until {clock:g}"
+            stands = began > clock + leeway and not may_wait
+            if stands and not any(abs(began - time) <= leeway for time in decided):
+                yield f"{who} stands still from {clock:g} to {began:g}, for no reason"
             if loss is not None and ended > loss + leeway:
                 yield f"{who} {what} until {ended:g}, but was lost at {loss:g}"
             clock = max(clock, ended)

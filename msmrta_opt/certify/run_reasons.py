@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from ..mission.run import Run, Walked
+from ..mission.run import Run
 
 CLOSE = 1e-9
 """Share of a time up to which two times are the same."""
@@ -44,29 +44,12 @@ def problems(run: Run) -> Iterator[str]:
             yield f"what is left out at {event.time:g} is no visit of a robot to a victim"
         elif event.time < first:
             yield f"robot {event.robot} leaves out a visit at {event.time:g}, when nothing is blocked"
-    if math.isinf(first):
-        for track in run.tracks:
-            yield from _waits(run, track)
     if not run.world.changes and not run.decisions:
         planned = {route.robot: route.cells for route in run.plan.routes}
         for track in run.tracks:
             cells = planned.get(track.robot) or track.cells[:1]
             if tuple(track.cells) != tuple(cells[: len(track.cells)]):
                 yield f"robot {track.robot} goes another way than the plan, for no reason"
-
-
-def _waits(run: Run, track: Walked) -> Iterator[str]:
-    """Times at which a robot stands still, and then goes on though nothing was decided."""
-    step = 1 / next(drawn.speed for drawn in run.world.speeds if drawn.robot == track.robot)
-    acts = [(time - step, time) for time in track.times[1:]]
-    acts += [(s.began, s.ended) for s in run.services if s.robot == track.robot]
-    clock = 0.0
-    for began, ended in sorted(acts, key=lambda act: (act[1], act[0])):
-        leeway = CLOSE * ended
-        decided = any(abs(began - decision.time) <= leeway for decision in run.decisions)
-        if began > clock + leeway and not decided:
-            yield f"robot {track.robot} stands still from {clock:g} to {began:g}, for no reason"
-        clock = max(clock, ended)
 
 
 def may_stop(run: Run, robot: int, victim: int, kinds: tuple[str, ...]) -> bool:
