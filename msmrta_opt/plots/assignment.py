@@ -16,6 +16,7 @@ from .lettering import as_written, shortened
 from .marks import Group, disc_of, draw_groups, start_of, unserved_victims, visit_badges, weights_of
 from .overview import draw_victims
 from .style import DEFERRED, FAINT, MISSED, REASONS, STAGES, robot_styles, stage_shapes
+from .titles import counted
 
 
 @as_written
@@ -85,22 +86,21 @@ def served_text(plan: Plan) -> str:
 
 def unserved_handles(plan: Plan) -> list[Artist]:
     """What the red ring is, with how many victims and requirements it stands for, by reason."""
-    if not plan.unserved:
-        return []
     n_victims = len(unserved_victims(plan))
     counts = Counter(item.reason for item in plan.unserved)
-    ring = mark_handle("o", f"not all served: {_count(n_victims, 'victim')}", face="white")
-    ring.set(markeredgecolor=MISSED, markeredgewidth=2)
     reasons = [
-        mark_handle("", f"{reason}: {_count(counts[reason], 'requirement')}")
+        mark_handle("", f"{reason}: {counted(counts[reason], 'requirement')}")
         for reason in REASONS
         if counts[reason]
     ]
-    return [ring, *reasons]
+    return [ring_handle(counted(n_victims, "victim")), *reasons] if n_victims else []
 
 
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" + ("" if number == 1 else "s")
+def ring_handle(count: str) -> Artist:
+    """The red ring, with how many victims it stands for."""
+    ring = mark_handle("o", f"not all served: {count}", face="white")
+    ring.set(markeredgecolor=MISSED, markeredgewidth=2)
+    return ring
 
 
 def assignment_handles(plan: Plan) -> list[Artist]:

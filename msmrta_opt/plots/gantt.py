@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,13 +16,14 @@ from ..mission.plan import Plan, Route
 from .canvas import SMALL_ROBOTS
 from .figure import own_axes, size_of
 from .legends import legend_below
-from .lettering import as_written, width_of
+from .lettering import as_written, fitted, width_of
 from .marks import number_of
 from .style import FADED, FAINT, INK, RobotStyle, readable_on, robot_styles
 
 BAR = 0.72
 """Height of a service bar, in rows."""
 FONT = 7.5
+TITLE_FONT, LABEL_FONT = 9.5, 8.0
 LEAST_PITCH = 9.0
 """Points from the name of one row to that of the next."""
 
@@ -39,6 +40,7 @@ def plot_gantt(
     *,
     until: float | None = None,
     faded: Collection[int] = (),
+    ends: Mapping[int, float] | None = None,
 ) -> Axes:
     """Draw travel and service of each robot over time, and the makespan.
 
@@ -53,6 +55,8 @@ def plot_gantt(
         default, or if that is later, at this plan's makespan.
     faded : collection of int
         Ids of victims whose visits are drawn in grey.
+    ends : mapping of int to float, optional
+        By robot id when it is done, in time units, where that is not what its route says.
 
     Returns
     -------
@@ -60,11 +64,11 @@ def plot_gantt(
         Time on x, in time units; one row per robot, empty for one that stays. The first robot is on
         top, or of more than eight the one that is done last.
     """
-    robots = rows_of(plan)
+    robots = rows_of(plan, ends)
     ax = own_axes(9.0, gantt_height(len(robots)) + 1.4) if ax is None else ax
-    makespan = plan.metrics.makespan
+    makespan = max(ends.values(), default=0.0) if ends else plan.metrics.makespan
     horizon = 1.02 * max(makespan, until or 0.0) or 1.0
-    draw_rows(ax, plan, robots, horizon, faded)
+    draw_rows(ax, plan, robots, horizon, faded, ends)
     ax.axvline(makespan, color=INK, lw=1.2, ls=(0, (4, 2)), zorder=4)
     _name_makespan(ax, makespan)
     ax.set_title("Timeline", fontsize=9.5)
@@ -76,13 +80,27 @@ def plot_gantt(
     return ax
 
 
-def rows_of(plan: Plan) -> list[Robot]:
+def title_gantt(ax: Axes, title: str) -> None:
+    """Write the title of a timeline at its upper left: above the label of the makespan if they meet."""
+    width, _ = size_of(ax)
+    said = fitted(title, TITLE_FONT, width)
+    right = min(
+        place / ax.get_xlim()[1] * width - width_of(label.get_text(), LABEL_FONT)
+        for upper in ax.child_axes
+        for place, label in zip(upper.get_xticks(), upper.get_xticklabels(), strict=True)
+    )
+    pad = 4.0 if width_of(said, TITLE_FONT) + 10 <= right else 6.0 + 1.25 * LABEL_FONT
+    ax.set_title("")
+    ax.set_title(said, fontsize=TITLE_FONT, loc="left", y=1.0, pad=pad)
+
+
+def rows_of(plan: Plan, ends: Mapping[int, float] | None = None) -> list[Robot]:
     """The robots in the order of rows: as in the mission, or of many the latest first."""
     robots = list(plan.instance.robots)
     if len(robots) <= SMALL_ROBOTS:
         return robots
     speed = {robot.id: robot.speed for robot in robots}
-    done = {route.robot: _end(route, speed[route.robot]) for route in plan.routes}
+    done = ends or {route.robot: _end(route, speed[route.robot]) for route in plan.routes}
     return sorted(robots, key=lambda robot: -done.get(robot.id, 0.0))
 
 
@@ -92,7 +110,12 @@ def _end(route: Route, speed: float) -> float:
 
 
 def draw_rows(
-    ax: Axes, plan: Plan, robots: Sequence[Robot], horizon: float, faded: Collection[int] = ()
+    ax: Axes,
+    plan: Plan,
+    robots: Sequence[Robot],
+    horizon: float,
+    faded: Collection[int] = (),
+    ends: Mapping[int, float] | None = None,
 ) -> None:
     """Draw a row for each of `robots`, up to `horizon` time units."""
     styles = robot_styles(plan.instance)
@@ -119,7 +142,8 @@ def draw_rows(
             )
             clock = visit.departure
         if route.back:
-            travel.append((clock, _end(route, speed[route.robot]), row, style.colour))
+            end = ends[route.robot] if ends else _end(route, speed[route.robot])
+            travel.append((clock, end, row, style.colour))
     size = size_of(ax)
     pitch = size[1] / max(len(robots), 1)
     edge = 0.5 if pitch > 6 else 0.25
@@ -201,7 +225,7 @@ def _name_rows(
 def _name_makespan(ax: Axes, makespan: float) -> None:
     """Write the makespan above its line: as a tick's label, which any title keeps clear of."""
     upper = ax.secondary_xaxis("top")
-    upper.set_xticks([makespan], [f"makespan {makespan:g}"], fontsize=8)
+    upper.set_xticks([makespan], [f"makespan {makespan:g}"], fontsize=LABEL_FONT)
     upper.tick_params(length=0, pad=2)
     upper.spines["top"].set_visible(False)
     for label in upper.get_xticklabels():

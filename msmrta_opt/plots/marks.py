@@ -23,7 +23,7 @@ from ..mission.instance import Instance, Victim
 from ..mission.plan import Plan
 from .canvas import Scale
 from .placing import Box, apart
-from .style import FADED, FAINT, INK, MISSED, RobotStyle, robot_styles
+from .style import FADED, FAINT, INK, MISSED, TURNED_UP, RobotStyle, robot_styles
 
 MOST_KINDS = 12
 """Kinds that have an hour each; of more, a victim's own requirements share its clock."""
@@ -87,8 +87,13 @@ def weights_of(instance: Instance) -> dict[int, float]:
     return {v.id: 1 + 0.4 * (v.priority - low) / span for v in instance.victims}
 
 
-def served_groups(plan: Plan, faded: Collection[int] = ()) -> list[Group]:
-    """The victims with the arcs of what they need, by who serves it; of those `faded` in grey."""
+def served_groups(
+    plan: Plan, faded: Collection[int] = (), tinted: Collection[int] = ()
+) -> list[Group]:
+    """The victims with the arcs of what they need, by who serves it; of those `faded` in grey.
+
+    The discs of those `tinted` say that they turned up on the way.
+    """
     styles = robot_styles(plan.instance)
     server = {
         (visit.victim, kind): FADED if visit.victim in faded else styles[route.robot].colour
@@ -100,7 +105,7 @@ def served_groups(plan: Plan, faded: Collection[int] = ()) -> list[Group]:
     return [
         Group(
             victim.cell,
-            disc=disc_of(victim),
+            disc=disc_of(victim, face=TURNED_UP if victim.id in tinted else "white"),
             arcs=tuple(
                 (*hours(plan.instance, victim, kind), server.get((victim.id, kind), MISSED))
                 for kind in victim.requirements
@@ -113,8 +118,13 @@ def served_groups(plan: Plan, faded: Collection[int] = ()) -> list[Group]:
 
 
 def unserved_victims(plan: Plan) -> set[int]:
-    """The ids of the victims of whom something stays unserved."""
-    return {item.victim for item in plan.unserved}
+    """The ids of the victims of whom something is served by no visit."""
+    served = {(v.victim, kind) for r in plan.routes for v in r.visits for kind in v.served}
+    return {
+        victim.id
+        for victim in plan.instance.victims
+        if any((victim.id, kind) not in served for kind in victim.requirements)
+    }
 
 
 def hours(instance: Instance, victim: Victim, kind: str) -> tuple[float, float]:

@@ -18,7 +18,7 @@ from ..mission.plan import Plan
 from .assignment import assignment_handles, plot_assignment, served_text
 from .canvas import SMALL_ROBOTS, is_large
 from .figure import POINTS_PER_INCH, Page
-from .gantt import gantt_height, plot_gantt
+from .gantt import gantt_height, plot_gantt, title_gantt
 from .key import Section, columns_below, draw_key, key_height
 from .legends import robot_handles
 from .lettering import as_written, fitted
@@ -26,7 +26,7 @@ from .overview import LINES_OF
 from .paths import paths_handles, plot_paths
 from .scouting import plot_scouting, scouting_handles
 from .style import FAINT, STAGES, robot_styles
-from .titles import name_of, says
+from .titles import counted, name_of, says
 
 NEEDS = "Victims (arc: colour of who serves it)"
 WIDTH, MARGIN = 9.0, 0.15
@@ -88,10 +88,7 @@ def plot_mission(plan: Plan, *, gantt: bool = True) -> Figure:
         ax = page.place(MARGIN + 0.55, upper + below + 0.3, inner - 0.65, bars)
         plot_gantt(plan, ax)
         strip(ax, keep="x")
-        ax.set_title("")
-        ax.set_title(
-            "Timeline: high bars serve, low ones travel", fontsize=9.5, loc="left", y=1.0, pad=4
-        )
+        title_gantt(ax, "Timeline: high bars serve, low ones travel")
     return page
 
 
@@ -175,7 +172,7 @@ def _sections(plan: Plan) -> list[Section]:
 def _write_title(page: Page, plan: Plan) -> None:
     figures, instance = plan.metrics, plan.instance
     room = (WIDTH - 2 * MARGIN) * POINTS_PER_INCH
-    size = f"{_count(instance.n_robots, 'robot')}, {_count(instance.n_victims, 'victim')}"
+    size = f"{counted(instance.n_robots, 'robot')}, {counted(instance.n_victims, 'victim')}"
     made = f" · {size} · {says(plan)}"
     name = fitted(name_of(instance), 12, max(room - 6.9 * len(made), 0.3 * room), bold=True)
     page.write(MARGIN, 0.1, fitted(name + made, 12, room, bold=True), 12, fontweight="bold")
@@ -184,7 +181,3 @@ def _write_title(page: Page, plan: Plan) -> None:
         f"{figures.total_time:g} · mean completion {figures.mean_completion:.4g} time units"
     )
     page.write(MARGIN, 0.36, fitted(figures_said, 9, room), 9, color=FAINT)
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" + ("" if number == 1 else "s")

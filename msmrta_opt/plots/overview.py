@@ -15,7 +15,7 @@ from ..mission.instance import Victim
 from ..mission.plan import Plan
 from .canvas import Scale
 from .marks import draw_groups, start_of, unserved_victims
-from .style import FADED, INK, MISSED, robot_styles
+from .style import FADED, INK, MISSED, TURNED_UP, robot_styles
 from .walks import corners, lanes
 
 LINES_OF = 24
@@ -84,11 +84,13 @@ def draw_victims(
     scale: Scale,
     shapes: Mapping[str, str] | None = None,
     faded: Collection[int] = (),
+    tinted: Collection[int] = (),
 ) -> None:
     """Draw all victims in the colour of the robot that serves them last, and the robots' starts.
 
     With shapes, a victim has that of the stage of this visit. Size grows with priority, and a red
-    ring is around each of whom something stays unserved.
+    ring is around each of whom something stays unserved. Around those `tinted` is the colour of those
+    who turned up on the way.
     """
     instance, styles = plan.instance, robot_styles(plan.instance)
     last = {v.victim: (v.departure, r.robot, v.stage) for r in plan.routes for v in r.visits}
@@ -115,6 +117,10 @@ def draw_victims(
         ax.scatter(
             *_places(idle), s=0.7 * side**2, c="white", edgecolors=INK, linewidths=0.5, zorder=5
         )
+    found = [v for v in instance.victims if v.id in tinted]
+    if found:
+        ax.scatter(*_places(found), s=(side + 11) ** 2, c=TURNED_UP, edgecolors="white",
+                   linewidths=0.8, zorder=4.5)  # fmt: skip
     rings = [v for v in instance.victims if v.id in unserved]
     if rings:
         ax.scatter(

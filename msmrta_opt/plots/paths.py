@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from matplotlib.artist import Artist
@@ -14,7 +14,15 @@ from .assignment import unserved_handles
 from .canvas import Scale, is_large, map_axes, plot_map
 from .legends import legend_below, mark_handle, robot_handles
 from .lettering import as_written
-from .marks import MOST_KINDS, clock_marker, draw_groups, served_groups, short_number, start_of
+from .marks import (
+    MOST_KINDS,
+    Group,
+    clock_marker,
+    draw_groups,
+    served_groups,
+    short_number,
+    start_of,
+)
 from .overview import TRAFFIC, draw_victims, draw_walks, draws_lines
 from .style import FADED, INK, robot_styles
 from .walks import draw_leg_mark, draw_walk, lanes
@@ -27,6 +35,8 @@ def plot_paths(
     *,
     robot_key: bool = True,
     faded: Collection[int] = (),
+    tinted: Collection[int] = (),
+    badges: Sequence[Group] = (),
 ) -> Axes:
     """Draw each robot's walk with arrowheads, and at each victim what it needs and who serves it.
 
@@ -44,6 +54,10 @@ def plot_paths(
         Whether the legend lists the robots.
     faded : collection of int
         Ids of victims whose visits, and the walks to them, are drawn in grey.
+    tinted : collection of int
+        Ids of victims that are marked as having turned up on the way.
+    badges : sequence of Group
+        What else stands at cells.
 
     Returns
     -------
@@ -61,19 +75,22 @@ def plot_paths(
     scale = Scale.of(ax, instance.map)
     if is_large(instance):
         draw_walks(ax, plan, scale, faded)
-        draw_victims(ax, plan, scale, faded=faded)
+        draw_victims(ax, plan, scale, faded=faded, tinted=tinted)
+        draw_groups(ax, badges, instance.map.shape, scale)
     else:
-        _draw_each(ax, plan, scale, faded)
+        _draw_each(ax, plan, scale, faded, [*served_groups(plan, faded, tinted), *badges])
     legend_below(
         ax, [*(robot_handles(robot_styles(instance)) if robot_key else []), *paths_handles(plan)]
     )
     return ax
 
 
-def _draw_each(ax: Axes, plan: Plan, scale: Scale, faded: Collection[int]) -> None:
+def _draw_each(
+    ax: Axes, plan: Plan, scale: Scale, faded: Collection[int], groups: Sequence[Group]
+) -> None:
     instance, styles = plan.instance, robot_styles(plan.instance)
     starts = [start_of(r.start, r.id, styles[r.id]) for r in instance.robots]
-    taken = draw_groups(ax, [*starts, *served_groups(plan, faded)], instance.map.shape, scale)
+    taken = draw_groups(ax, [*starts, *groups], instance.map.shape, scale)
     moving = [route for route in plan.routes if route.cells]
     shifts = lanes(len(moving), scale)
     for fades in (True, False) if faded else (False,):
@@ -89,7 +106,7 @@ def _draw_each(ax: Axes, plan: Plan, scale: Scale, faded: Collection[int]) -> No
                     draw_leg_mark(ax, leg, shift, short_number(route.robot), style, scale, taken)
 
 
-def paths_handles(plan: Plan) -> list[Artist]:
+def paths_handles(plan: Plan, *, unserved: bool = True) -> list[Artist]:
     """Legend entries of what the victims need, and of the walks of many robots."""
     instance, handles = plan.instance, list[Artist]()
     kinds = instance.capabilities
@@ -111,4 +128,4 @@ def paths_handles(plan: Plan) -> list[Artist]:
         )
     if len({victim.priority for victim in instance.victims}) > 1:
         handles.append(mark_handle("o", "larger: higher priority", face="white"))
-    return handles + unserved_handles(plan)
+    return handles + (unserved_handles(plan) if unserved else [])

@@ -9,24 +9,26 @@ from typing import Any
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Rectangle
 
+from ..mission.happened import What
 from ..mission.plan import Plan
 from ..mission.route import Route, Visit
 from ..mission.run import Run, Walked
+from .assignment import ring_handle
+from .canvas import is_large
 from .figure import POINTS_PER_INCH, Page
-from .gantt import gantt_height, plot_gantt
+from .gantt import gantt_height, plot_gantt, title_gantt
 from .key import Section, columns_below, draw_key, key_height
 from .legends import mark_handle
 from .lettering import as_written, fitted
+from .marks import Group, Mark, number_of, unserved_victims
 from .mission import MARGIN, WIDTH, strip
-from .style import FAINT, INK, MISSED
-from .titles import name_of, says
-from .two_plans import draw_maps, maps_height, plans_key
+from .style import FAINT, INK, TURNED_UP
+from .titles import counted, name_of, says
+from .two_plans import Item, cost_of, draw_maps, maps_height, plans_key
 
 TITLE = 0.75
-TURNED_UP = "#E8940A"
-"""Around victims that nobody knew of when it began."""
 
 
 @as_written
@@ -45,32 +47,35 @@ def plot_run(run: Run) -> Figure:
     """
     plans = [run.plan, walked(run)]
     titles = [f"planned: {says(run.plan)}", f"walked: {says(run)}"]
-    sections = plans_key(plans)
-    if events := events_handles(run):
-        sections.append(Section("What happened", events))
+    costs = [cost_of(run.plan.metrics), cost_of(run.metrics)]
+    ends = [None, run.metrics.done_of]
+    sections = plans_key(plans, unserved=False)
+    for title, handles in (("What was not served", _open(run)), ("What happened", _came(run))):
+        sections.append(Section(title, handles))
     inner = WIDTH - 2 * MARGIN
     maps = maps_height(plans, inner)
     columns = columns_below(sections, inner)
     key = key_height(sections, inner, columns) + 0.12
     bars = gantt_height(run.plan.instance.n_robots)
-    page = Page(WIDTH, TITLE + maps + key + 2 * (bars + 0.75) + MARGIN)
+    page = Page(WIDTH, TITLE + maps + key + 2 * (bars + 0.8) + MARGIN)
     room = inner * POINTS_PER_INCH
     page.write(
         MARGIN, 0.1, fitted(f"{name_of(run.plan.instance)}: {says(run)}", 12, room, bold=True), 12,
         fontweight="bold",
     )  # fmt: skip
     page.write(MARGIN, 0.36, fitted(_came_to(run), 9, room), 9, color=FAINT)
-    _, ax = draw_maps(page, list(zip(titles, plans, strict=True)), TITLE, inner)
-    draw_events(run, ax)
+    looks = [{}, {"tinted": _turned_up(run), "badges": _losses(run)}]
+    items = [Item(*item) for item in zip(titles, plans, costs, looks, strict=True)]
+    _, ax = draw_maps(page, items, TITLE, inner)
+    _draw_cells(run, ax)
     draw_key(page, sections, MARGIN, TITLE + maps + 0.05, inner, columns)
-    top, until = TITLE + maps + key, max(plan.metrics.makespan for plan in plans)
-    for title, plan in zip(titles, plans, strict=True):
-        ax = page.place(MARGIN + 0.55, top + 0.3, inner - 0.65, bars)
-        plot_gantt(plan, ax, until=until)
+    top, until = TITLE + maps + key, max(run.plan.metrics.makespan, run.metrics.makespan)
+    for title, plan, end in zip(titles, plans, ends, strict=True):
+        ax = page.place(MARGIN + 0.55, top + 0.35, inner - 0.65, bars)
+        plot_gantt(plan, ax, until=until, ends=end)
         strip(ax, keep="x")
-        ax.set_title("")
-        ax.set_title(fitted(title, 9.5, 0.6 * room), fontsize=9.5, loc="left", y=1.0, pad=4)
-        top += bars + 0.75
+        title_gantt(ax, title)
+        top += bars + 0.8
     return page
 
 
@@ -84,15 +89,11 @@ def walked(run: Run) -> Plan:
         victims=run.victims,
         robots=[r.model_copy(update={"speed": speeds[r.id]}) for r in run.plan.instance.robots],
     )
-    return run.plan.model_copy(
-        update={
-            "instance": mission,
-            "planner": run.policy,
-            "routes": tuple(_route(run, track) for track in run.tracks),
-            "scouting": None,
-            "clusters": (),
-            "certificates": (),
-        }
+    # Not a copy of the plan, which would have the plan's figures with it.
+    return Plan.model_construct(
+        instance=mission,
+        planner=run.policy,
+        routes=tuple(_route(run, track) for track in run.tracks),
     )
 
 
@@ -129,49 +130,66 @@ def _came_to(run: Run) -> str:
     return " · ".join(parts)
 
 
-_LOOKS: dict[str, tuple[dict[str, Any], str]] = {
-    "lost": (
-        {"marker": "X", "ms": 10, "mfc": MISSED, "mec": "white", "mew": 1},
-        "a robot was lost",
-    ),
-    "blocked": ({"marker": "x", "ms": 8, "mec": MISSED, "mew": 2.2}, "a cell was blocked"),
-    "opened": (
-        {"marker": "s", "ms": 7, "mfc": "none", "mec": MISSED, "mew": 1.5},
-        "a cell was opened",
-    ),
-    "turned up": (
-        {"marker": "o", "ms": 17, "mfc": "none", "mec": TURNED_UP, "mew": 2.2},
-        "turned up on the way",
-    ),
+_CELLS: dict[What, tuple[dict[str, Any], str]] = {
+    "blocked": ({"hatch": "xxxxx", "lw": 0.8}, "a cell was blocked"),
+    "opened": ({"lw": 1.6, "ls": (0, (2, 1.2))}, "a cell was opened"),
 }
+"""How cells are drawn, an outline each, so that one may be both."""
 
 
-def draw_events(run: Run, ax: Axes) -> None:
-    """Mark where robots were lost, cells blocked or opened, and victims turned up."""
-    for what, cells in _where(run).items():
-        rows, cols = zip(*cells, strict=True)
-        ax.plot(cols, rows, ls="none", zorder=8, **_LOOKS[what][0])
+def _draw_cells(run: Run, ax: Axes) -> None:
+    """Mark the cells that were blocked or opened, under the walks."""
+    for what, (look, _) in _CELLS.items():
+        found = {event.cell for event in run.events if event.what == what and event.cell}
+        for row, col in sorted(found):
+            ax.add_patch(
+                Rectangle((col - 0.5, row - 0.5), 1, 1, fc="none", ec=INK, zorder=0.8, **look)
+            )
 
 
-def events_handles(run: Run) -> list[Artist]:
-    """Legend entries of what `draw_events` marks."""
+def _turned_up(run: Run) -> set[int]:
+    """The ids of the victims that were announced or found."""
+    return {
+        e.victim for e in run.events if e.what in ("announced", "found") and e.victim is not None
+    }
+
+
+def _losses(run: Run) -> list[Group]:
+    """A badge where a robot was lost: a cross, with the robot's number if there is room for it."""
+    short = is_large(run.plan.instance)
+    return [
+        Group(event.cell, (Mark("lost" if short else f"R{number_of(event.robot)} lost", INK),))
+        for event in run.events
+        if event.what == "lost" and event.cell is not None and event.robot is not None
+    ]
+
+
+def _open(run: Run) -> list[Artist]:
+    """Legend entries of what was not served, beside what the plan left open."""
+    planned, done = (len(unserved_victims(plan)) for plan in (run.plan, walked(run)))
+    if not planned and not done:
+        return []
+    figures, needed = run.metrics, sum(len(victim.requirements) for victim in run.victims)
+    counts = {
+        "no robot can serve it": needed - figures.n_available,
+        "available, but not served": figures.n_available - figures.n_served,
+    }
+    said = f"{counted(done, 'victim')} ({planned} in the plan)"
+    lines = [f"{why}: {counted(count, 'requirement')}" for why, count in counts.items() if count]
+    return [ring_handle(said), *(mark_handle("", line) for line in lines)]
+
+
+def _came(run: Run) -> list[Artist]:
+    """Legend entries of what came in between."""
+    happened = {event.what for event in run.events}
     handles = list[Artist]()
-    for what in _where(run):
-        look, label = _LOOKS[what]
-        handle = mark_handle(look["marker"], label, face=look.get("mfc", INK))
-        handle.set(markeredgecolor=look["mec"], markeredgewidth=look["mew"])
-        handles.append(handle)
-    if run.metrics.n_served < run.metrics.n_available:
-        handles.append(Patch(fc=MISSED, label="red arc: was not served"))
+    if "lost" in happened:
+        handles.append(Patch(fc=INK, label="a robot was lost there"))
+    handles += [
+        Patch(fc="none", ec=INK, label=label, **look)
+        for what, (look, label) in _CELLS.items()
+        if what in happened
+    ]
+    if _turned_up(run):
+        handles.append(mark_handle("o", "the victim turned up on the way", face=TURNED_UP))
     return handles
-
-
-def _where(run: Run) -> dict[str, list[tuple[int, int]]]:
-    cells = {victim.id: victim.cell for victim in run.victims}
-    found: dict[str, list[tuple[int, int]]] = {}
-    for event in run.events:
-        if event.what in ("lost", "blocked", "opened") and event.cell is not None:
-            found.setdefault(event.what, []).append(event.cell)
-        elif event.what in ("announced", "found") and event.victim is not None:
-            found.setdefault("turned up", []).append(cells[event.victim])
-    return {what: found[what] for what in _LOOKS if what in found}

@@ -49,6 +49,8 @@ MISSED = "#C1121F"
 """Of what stays unserved or unfound, and of nothing else."""
 NEVER_SEEN = "#A9A3CF"
 DEFERRED = "#FFE98A"
+TURNED_UP = "#FFB347"
+"""Of victims that nobody knew of when a run began."""
 FADED = "#B9BDC4"
 """Of what is the same in both of two plans."""
 SERIES = ("#202020", "#6A4C93", "#8A5A00")

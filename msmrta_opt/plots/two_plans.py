@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..mission.metrics import METRICS
+from ..mission.metrics import METRICS, Metrics
 from ..mission.plan import Plan
+from ..mission.run_metrics import RunMetrics
 from .canvas import is_large
 from .figure import POINTS_PER_INCH, Page
-from .gantt import gantt_height, plot_gantt
+from .gantt import gantt_height, plot_gantt, title_gantt
 from .key import Section, columns_below, draw_key, key_height
 from .legends import mark_handle, robot_handles
 from .lettering import as_written, fitted
@@ -61,7 +64,9 @@ def plot_two_plans(before: Plan, after: Plan, *, ringed: Sequence[int] = ()) -> 
     page.write(MARGIN, 0.1, fitted(both, 12, room, bold=True), 12, fontweight="bold")
     page.write(MARGIN, 0.36, fitted(_differences(before, after), 9, room), 9, color=FAINT)
     titles = [says(plan) for plan in plans]
-    draw_maps(page, list(zip(titles, plans, strict=True)), TITLE, inner, faded)
+    looks = {"faded": faded}
+    items = [Item(title, plan, options=looks) for title, plan in zip(titles, plans, strict=True)]
+    draw_maps(page, items, TITLE, inner)
     draw_key(page, sections, MARGIN, TITLE + maps + 0.05, inner, columns)
     top = TITLE + maps + key
     until = max(plan.metrics.makespan for plan in plans)
@@ -69,10 +74,26 @@ def plot_two_plans(before: Plan, after: Plan, *, ringed: Sequence[int] = ()) -> 
         ax = page.place(MARGIN + 0.55, top + 0.3, inner - 0.65, height)
         plot_gantt(plan, ax, until=until, faded=faded)
         strip(ax, keep="x")
-        ax.set_title("")
-        ax.set_title(fitted(title, 9.5, 0.6 * room), fontsize=9.5, loc="left", y=1.0, pad=4)
+        title_gantt(ax, title)
         top += height + 0.75
     return page
+
+
+class Item(NamedTuple):
+    """A plan under its title and what it costs, drawn with options of `plot_paths`."""
+
+    title: str
+    plan: Plan
+    cost: str = ""
+    options: Mapping[str, Any] = MappingProxyType({})
+
+
+def cost_of(figures: Metrics | RunMetrics) -> str:
+    """What a plan, or a run, comes to."""
+    return (
+        f"{figures.n_served} served, {figures.distance} cells walked, "
+        f"makespan {figures.makespan:.6g}"
+    )
 
 
 def maps_height(plans: Sequence[Plan], width: float) -> float:
@@ -81,34 +102,30 @@ def maps_height(plans: Sequence[Plan], width: float) -> float:
     return PANEL_TITLE + max(_height(plan, across) for plan in plans) + TICKS
 
 
-def draw_maps(
-    page: Page,
-    items: Sequence[tuple[str, Plan]],
-    top: float,
-    width: float,
-    faded: Collection[int] = (),
-) -> list[Axes]:
+def draw_maps(page: Page, items: Sequence[Item], top: float, width: float) -> list[Axes]:
     """Draw the paths of plans beside each other, each under its title and what it costs."""
     drawn = []
-    across = _across([plan for _, plan in items], width)
-    for number, (title, plan) in enumerate(items):
+    across = _across([item.plan for item in items], width)
+    for number, item in enumerate(items):
         left = MARGIN + TICKS + number * (across + TICKS + GAP)
-        ax = page.place(left, top + PANEL_TITLE, across, _height(plan, across))
-        plot_paths(plan, ax, robot_key=False, faded=faded)
+        ax = page.place(left, top + PANEL_TITLE, across, _height(item.plan, across))
+        plot_paths(item.plan, ax, robot_key=False, **item.options)
         strip(ax)
-        m, room = plan.metrics, across * POINTS_PER_INCH
-        cost = f"{m.n_served} served, {m.distance} cells walked, makespan {m.makespan:.6g}"
-        ax.set_title(f"{fitted(title, 9.5, room)}\n{fitted(cost, 9.5, room)}", fontsize=9.5)
+        lines = (item.title, item.cost or cost_of(item.plan.metrics))
+        said = (fitted(line, 9.5, across * POINTS_PER_INCH) for line in lines)
+        ax.set_title("\n".join(said), fontsize=9.5)
         drawn.append(ax)
     return drawn
 
 
-def plans_key(plans: Sequence[Plan]) -> list[Section]:
+def plans_key(plans: Sequence[Plan], *, unserved: bool = True) -> list[Section]:
     """What robots and victims look like in plans for one mission, or for several."""
     styles = {r: style for plan in plans for r, style in robot_styles(plan.instance).items()}
     words = {r.id: ", ".join(r.capabilities) for plan in plans for r in plan.instance.robots}
     words = {robot: said or "no capability" for robot, said in words.items()}
-    victims = {str(h.get_label()): h for plan in plans for h in paths_handles(plan)}
+    victims = {
+        str(h.get_label()): h for plan in plans for h in paths_handles(plan, unserved=unserved)
+    }
     large = any(is_large(plan.instance) for plan in plans)
     return [
         Section("Robots", robot_handles(styles, words) if len(styles) <= LINES_OF else []),

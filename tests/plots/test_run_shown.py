@@ -6,9 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection
+from matplotlib.patches import Rectangle
+from matplotlib.text import Text
 from support.browser import PROGRAM, WITHOUT, Browser
-from support.small_run import small_plan, small_run
+from support.legible import illegible
+from support.small_run import SCENARIO, small_plan, small_run
 
+from msmrta_opt.execution.execute import execute
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.run import Decision, Event, Queue, Queued, Run
 from msmrta_opt.plots.replay.run_data import document_of_run
@@ -70,11 +76,43 @@ def test_what_was_walked_is_drawn_as_a_plan(run: Run) -> None:
 
 
 def test_the_picture_of_a_run_says_what_it_shows(run: Run) -> None:
+    assert run.plan.metrics.n_served == 2  # known before the picture is drawn
     figure = run.plot()
-    said = {text.get_text() for text in figure.findobj(match=lambda x: hasattr(x, "get_text"))}
-    for expected in ("a robot was lost", "a cell was blocked", "turned up on the way"):
+    said = {text.get_text() for text in figure.findobj(match=Text)}
+    for expected in (
+        "R2 lost", "a robot was lost there", "a cell was blocked", "the victim turned up on the way",
+        "planned: by hand\n2 served, 7 cells walked, makespan 6",
+        "walked: keep, seed 0\n1 served, 5 cells walked, makespan 5",
+        "not all served: 2 victims (0 in the plan)", "available, but not served: 2 requirements",
+    ):  # fmt: skip
         assert expected in said
     assert any(text.startswith("1 of 3 available requirements served") for text in said)
+
+
+def test_rings_of_a_run_are_around_those_whom_it_did_not_serve(run: Run) -> None:
+    planned, done = run.plot().axes[:2]
+    assert [rings(ax) for ax in (planned, done)] == [0, 2]  # victims 20 and 30
+
+
+def rings(ax: Axes) -> int:
+    found = [x for x in ax.collections if isinstance(x, PatchCollection) and x.get_zorder() == 5.1]
+    return sum(len(x.get_paths()) for x in found)
+
+
+def test_a_lost_robot_a_blocked_cell_and_one_that_was_opened_look_different() -> None:
+    scenario = {**SCENARIO, "corridors": [{"cells": [[1, 0]], "blocked": 2, "opened": 4},
+                                          {"cells": [[0, 4]], "blocked": 3}]}  # fmt: skip
+    _, done = execute(small_plan(), scenario).plot().axes[:2]
+    marks = [x for x in done.patches if isinstance(x, Rectangle) and x.get_width() == 1]
+    cells = {(x.get_x() + 0.5, x.get_y() + 0.5, bool(x.get_hatch())) for x in marks}
+    assert cells == {(0, 1, True), (0, 1, False), (4, 0, True)}
+    assert [text.get_text() for text in done.texts if "lost" in text.get_text()] == ["R2 lost"]
+
+
+@pytest.mark.parametrize("slower", [1, 0.1])
+def test_no_text_of_the_picture_of_a_run_lies_outside_or_on_another(slower: float) -> None:
+    scenario = {**SCENARIO, "speed": [{"value": slower}]}
+    assert illegible(execute(small_plan(), scenario).plot()) == []
 
 
 def test_no_film_of_a_run_is_begun(run: Run, tmp_path: Path) -> None:

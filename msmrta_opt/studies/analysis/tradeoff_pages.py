@@ -17,7 +17,7 @@ from ...plots.lettering import as_written, fitted
 from ...plots.mission import GAP, MARGIN, WIDTH
 from ...plots.style import FAINT
 from ...plots.titles import name_of
-from ...plots.two_plans import draw_maps, maps_height, plans_key
+from ...plots.two_plans import Item, draw_maps, maps_height, plans_key
 from .tradeoff_pictures import (
     numbers_of,
     plot_bands,
@@ -121,7 +121,7 @@ def _page(name: str, said: str, plans: Sequence[Plan], charts: float) -> tuple[P
 
 
 def _draw_plans(page: Page, titles: Sequence[str], plans: Sequence[Plan], top: float) -> None:
-    draw_maps(page, list(zip(titles, plans, strict=True)), top, INNER)
+    draw_maps(page, [Item(*item) for item in zip(titles, plans, strict=True)], top, INNER)
     sections = plans_key(plans)
     bottom = top + maps_height(plans, INNER) + GAP
     draw_key(page, sections, MARGIN, bottom, INNER, columns_below(sections, INNER))
