@@ -25,7 +25,7 @@ types: $(VENV)/.installed
 	$(BIN)/mypy
 
 test-all: lint types $(VENV)/.installed-docs
-	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow or not slow"
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow or not slow" --timeout 7200
 
 unit: $(VENV)/.installed
 	$(BIN)/python -m pytest -n auto --dist worksteal

@@ -12,7 +12,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -24,7 +24,8 @@ POLL_SECONDS = 0.05
 class _State:
     """What this process does about signals now."""
 
-    asked: threading.Event = field(default_factory=threading.Event)
+    # No `threading.Event`: a handler that sets one waits for ever where its signal comes within `clear`.
+    asked: bool = False
     signal: int = signal.SIGINT
     in_command: bool = False
     is_heeded: bool = False
@@ -36,7 +37,7 @@ _now = _State()
 
 def interrupted() -> bool:
     """Whether the user has asked to end: to be looked at by whatever takes long."""
-    return _now.asked.is_set() or _now.of_parent()
+    return _now.asked or _now.of_parent()
 
 
 def listen_to_parent(asks: Callable[[], bool]) -> None:
@@ -82,7 +83,7 @@ def interruptible() -> Iterator[None]:
     finally:
         signal.signal(signal.SIGINT, before)
         _now.is_heeded = False
-        _now.asked.clear()
+        _now.asked = False
 
 
 @contextmanager
@@ -100,7 +101,7 @@ def command() -> Iterator[None]:
         for number, handler in before.items():
             signal.signal(number, handler)
         _now.in_command = _now.is_heeded = False
-        _now.asked.clear()
+        _now.asked = False
 
 
 def _in_main_thread() -> bool:
@@ -109,12 +110,12 @@ def _in_main_thread() -> bool:
 
 def _on_signal(number: int, _: Any) -> None:
     _now.signal = number
-    if not _now.is_heeded or _now.asked.is_set():
+    if not _now.is_heeded or _now.asked:
         # Where a library calls Python (numba's compiler does), what is raised is lost: so that it is not
         # forgotten, whatever heeds it later is told.
-        _now.asked.set()
+        _now.asked = True
         raise KeyboardInterrupt
-    _now.asked.set()
+    _now.asked = True
     if _now.in_command:
         # The next one ends the process even where no Python runs; files are written whole or not at all.
         for other in SIGNALS:
