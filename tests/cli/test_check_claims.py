@@ -149,3 +149,26 @@ def test_without_priorities_or_where_latency_weighs_them_nothing_is_said(
     improved = notes(msmrta, capsys, "split", "--improve", "0.01", "--objective", "latency")
     assert "ignores priorities" not in improved
     assert "clusters' centres" not in improved
+
+
+def test_an_option_that_no_formulation_of_the_plan_reads_is_said_to_change_nothing(
+    msmrta: Run, capsys: Capture
+) -> None:
+    said = notes(msmrta, capsys, "split", "--option", "endurance=400", "--option", "apart=0")
+    models = "neither cluster_one_to_one nor victim_one_to_one reads it"
+    assert f"endurance changes nothing: {models}; victim_generalized would." in said
+    assert f"apart changes nothing: {models}; cluster_apart would." in said
+    said = notes(
+        msmrta,
+        capsys,
+        "split",
+        "--option",
+        "endurance=4000",
+        "--victim-model",
+        "victim_generalized",
+        "--option",
+        "apart=0",
+        "--cluster-model",
+        "cluster_apart",
+    )
+    assert "changes nothing" not in said

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from contextlib import suppress
 
+from ...mission.errors import MsmrtaError
 from ...mission.plan import Plan
+from ...optimise import registry
+from ...stages.options import StagedOptions
 from .improvement import STAGE as IMPROVED
 
 STAGED = "msmrta"
+READ_AS = {"budget": "budget|budgeted_size", "endurance": "endurance|time_left", "apart": "apart"}
+"""Options that only formulations heed that read them from their data, and the fields' names there."""
 
 
 def notes(plan: Plan) -> Iterator[str]:
@@ -27,3 +34,26 @@ def notes(plan: Plan) -> Iterator[str]:
             "Routes pass the cells that stand for their clusters' centres, as in the paper; "
             "--direct leaves that out."
         )
+    if plan.planner == STAGED:
+        yield from _not_read(plan)
+
+
+def _not_read(plan: Plan) -> Iterator[str]:
+    """Options that were given and that no formulation of the plan reads."""
+    defaults = StagedOptions()
+    models = [str(plan.options[m]) for m in ("cluster_model", "victim_model") if m in plan.options]
+    for option in READ_AS:
+        if plan.options.get(option) in (None, getattr(defaults, option)):
+            continue
+        if not any(_reads(name, option) for name in models):
+            there = [entry for stage in ("cluster", "victim") for entry in registry.models(stage)]
+            would = ", ".join(entry.name for entry in there if _reads(entry.name, option))
+            yield f"{option} changes nothing: neither {' nor '.join(models)} reads it; {would} would."
+
+
+def _reads(name: str, option: str) -> bool:
+    """Whether the file of formulation `name` mentions what `option` is in its data."""
+    with suppress(MsmrtaError, OSError):
+        source = registry.get(name).path.read_text(encoding="utf-8")
+        return re.search(rf"\bdata\.({READ_AS[option]})\b", source) is not None
+    return False
