@@ -17,11 +17,11 @@ This file needs nothing but Python, and is a program by itself: ``python check.p
 numbers are integers and fractions of integers; nothing is rounded but by ``rnd``. It reads as it goes
 and forgets a derived constraint once the file says that nothing refers to it any more.
 
-What the specification leaves open is decided here, each time on the side of refusing: a variable may
-occur once in a constraint; ``sol`` gives that the objective is at most that of the best solution (at
-least, in a maximisation), by 1 less where all objective coefficients are integers on integer variables;
-it proves no infeasibility, and a solution outside the claimed range refutes the claim. That names of
-constraints are unique is not checked: constraints are referred to by index.
+What the specification leaves open is decided here, each time on the side of refusing: variables have
+names of their own, and occur once in a constraint; ``sol`` gives that the objective is at most that of
+the best solution (at least, in a maximisation), by 1 less where all its coefficients are integers on
+integer variables; it proves no infeasibility, and a solution outside the claimed range refutes the
+claim. That names of constraints are unique is not checked: they are referred to by index.
 """
 
 from __future__ import annotations
@@ -35,16 +35,12 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import BinaryIO
 
-MOST_DIGITS = 100_000
-"""Of a number."""
-LONGEST_WORD = 1_000_000
-"""In characters."""
+MOST_DIGITS = 100_000  # of a number
+LONGEST_WORD = 1_000_000  # characters
 
 Number = int | Fraction
-Terms = dict[int, int]
-"""Coefficients by variable, over a common denominator; none is 0."""
-Assumptions = frozenset[int]
-"""Indices of the constraints that are assumed."""
+Terms = dict[int, int]  # coefficients by variable, over a common denominator; none is 0
+Assumptions = frozenset[int]  # indices of the constraints that are assumed
 NOTHING_ASSUMED: Assumptions = frozenset()
 
 
@@ -148,8 +144,9 @@ class Certificate:
             return "infeasible"
         low = "(-inf" if self.lower is None else f"[{_shown(self.lower)}"
         high = "inf)" if self.upper is None else f"{_shown(self.upper)}]"
-        ends = [f"{float(end):.9g}" for end in (self.lower, self.upper) if end is not None]
-        about = f" (about {ends[-1]})" if "/" in low + high and len({*ends}) == 1 else ""
+        one = Fraction(self.lower or 0)
+        is_one = self.lower == self.upper and one.denominator > 1
+        about = f" (about {float(one):.9g})" if is_one and abs(one) < 10**300 else ""
         return f"{'minimum' if self.minimise else 'maximum'} in {low}, {high}{about}"
 
     @property
@@ -204,11 +201,12 @@ class Reader:
         """The next word as an integer."""
         return self.as_whole(self.word(what), what)
 
-    def count(self, what: str) -> int:
-        """The next word as a number of things."""
-        found = self.whole(f"the number of {what}")
+    def count(self, what: str, word: bytes | None = None) -> int:
+        """`word`, or else the next one, as a number of things."""
+        what = f"the number of {what}"
+        found = self.as_whole(self.word(what) if word is None else word, what)
         if found < 0:
-            raise self.refusal(f"{found} for the number of {what}")
+            raise self.refusal(f"{found} for {what}")
         return found
 
     def as_whole(self, word: bytes, what: str) -> int:
@@ -265,6 +263,8 @@ class Reader:
 
 
 def _shown(word: bytes | Number) -> str:
+    if not isinstance(word, bytes) and abs(word.numerator) + word.denominator > 10**1000:
+        return "a number of over 1000 digits"
     text = repr(word.decode("utf-8", "replace")) if isinstance(word, bytes) else str(word)
     return text if len(text) <= 60 else text[:56] + "…" + text[-1]
 
@@ -279,8 +279,13 @@ def read_program(reader: Reader) -> Certificate:
     reader.keyword(b"VER")
     reader.keyword(b"1.0")
     reader.keyword(b"VAR")
+    names: dict[bytes, None] = {}
     for _ in range(reader.count("variables")):
-        found.names.append(reader.word("a variable's name").decode("utf-8", "surrogateescape"))
+        name = reader.word("a variable's name")
+        if name in names:
+            raise reader.refusal(f"a second variable is called {_shown(name)}")
+        names[name] = None
+    found.names = [name.decode("utf-8", "surrogateescape") for name in names]
     reader.keyword(b"INT")
     for _ in range(reader.count("integer variables")):
         found.integer.add(_variable(reader, len(found.names)))
@@ -384,10 +389,9 @@ class Proof:
         try:
             if rule == b"asm":
                 assumptions = frozenset((index,))
-            elif rule == b"lin":
-                assumptions = self.linear(stated, self._multipliers(reader, index))
-            elif rule == b"rnd":
-                assumptions = self.rounding(stated, self._multipliers(reader, index))
+            elif rule in (b"lin", b"rnd"):
+                follows = self.linear if rule == b"lin" else self.rounding
+                assumptions = follows(stated, self._multipliers(reader, index))
             elif rule == b"uns":
                 indices = [self._index(reader, index) for _ in range(4)]
                 assumptions = self.unsplit(stated, *indices)
@@ -476,8 +480,7 @@ class Proof:
                 terms[j] = terms.get(j, 0) + factor * a
             if not assumptions.issuperset(item.assumptions):
                 assumptions |= item.assumptions
-        terms = {j: a for j, a in terms.items() if a}
-        return Constraint(sense, terms, side, under, assumptions)
+        return Constraint(sense, {j: a for j, a in terms.items() if a}, side, under, assumptions)
 
     def _require_integers(self, item: Constraint) -> None:
         """Refuse anything but integer coefficients on integer variables."""
@@ -517,10 +520,7 @@ def _constraint(
     size = reader.word("the number of coefficients, or OBJ")
     if size == b"OBJ":
         return of(sense, found.objective, found.objective_under, side)
-    number = reader.as_whole(size, "the number of coefficients")
-    if number < 0:
-        raise reader.refusal(f"{number} for the number of coefficients")
-    return of(sense, *_terms(reader, number, len(found.names)), side)
+    return of(sense, *_terms(reader, reader.count("coefficients", size), len(found.names)), side)
 
 
 def _terms(reader: Reader, size: int, n_variables: int) -> tuple[Terms, int]:

@@ -128,6 +128,11 @@ def check_proofs(
     rest = list(files[len(proofs) :])
     if list(files[: len(proofs)]) != proofs or (rest and (len(rest) != 2 or len(proofs) != 1)):
         raise InputError("give proofs alone, or one proof, a formulation and an instance")
+    if not rest and (options or params):
+        raise InputError(
+            "is for a formulation; give FILE.vipr, the formulation and the instance",
+            field="--param" if params else "--option",
+        )
     what: Any = None
     data: Any = None
     values: dict[str, Any] = {}

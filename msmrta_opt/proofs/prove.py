@@ -148,11 +148,12 @@ def prove(
         options = Options(time_limit=time_limit)
         solution = solve_program(program, solver=solver, options=options)
     is_file = name.endswith((".mps", ".lp"))
+    values = "".join(f" {parameter}={value:g}" for parameter, value in asked.parameters.items())
     return prove_program(
         program, solution, path,
         time_limit=time_limit, size_limit=size_limit,
         numbers=("decimal", "binary") if is_file else ("binary", "simple"),
-        comments=(f"{name}: what {solution.solver} {solution.solver_version} claims",),
+        comments=(f"{name}{values}: what {solution.solver} {solution.solver_version} claims",),
     )  # fmt: skip
 
 

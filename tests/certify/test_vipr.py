@@ -207,6 +207,7 @@ def refused(parts: dict[str, str], line: int, reason: str) -> object:
         refused({"version": "VER 1.1"}, 1, "'1.1' where 1.0 should be"),
         refused({"version": "VER 1.0\n% late"}, 2, "'%' where VAR"),
         refused({"variables": "VAR 3\nx y"}, 4, "'2' where INT"),
+        refused({"variables": "VAR 2\nx\nx"}, 4, "a second variable is called 'x'"),
         refused({"variables": "VAR -1"}, 2, "-1 for the number of variables"),
         refused({"variables": "VAR 2.0 x y"}, 2, "an integer"),
         refused({"variables": "VAR 1_0 x y"}, 2, "an integer"),
@@ -323,6 +324,21 @@ def test_numbers_may_be_longer_than_python_reads_by_itself(checked) -> None:
         checked(certificate(objective=f"OBJ min\n1 0 {'9' * 200_000}"))
     with pytest.raises(RefusedError, match="a word of more than"):
         checked(certificate(variables=f"VAR 2\n{'x' * 2_100_000} y"))
+
+
+@pytest.mark.parametrize(
+    ("digits", "told"),
+    [(20, "(about 2.85714286e+19)"), (400, "…"), (5000, "a number of over 1000 digits")],
+)
+def test_claims_of_any_size_are_told(checked, digits, told) -> None:
+    n = f"1{'0' * digits}"
+    parts = {**EQUATION, "constraints": f"CON 1 0\nC1 E {n}/7 2 0 1 1 1"}
+    parts["claim"] = f"RTP range 2{n[1:]}/7 2{n[1:]}/7"
+    parts["solutions"] = f"SOL 1\nbest 1 0 {n}/7"
+    parts["derivations"] = f"DER 1\nD1 G 2{n[1:]}/7 OBJ {{ lin 1 0 2 }} -1"
+    claim = checked(certificate(**parts)).claim
+    assert told in claim
+    assert len(claim) < 200
 
 
 def test_a_long_proof_takes_no_more_memory_than_a_short_one(tmp_path: Path) -> None:

@@ -34,7 +34,11 @@ def test_a_proof_is_checked_alone_and_against_its_mission(
     assert cli.run(["check", str(proof), "victim_balanced", mission]) == 0
     assert "of victim_balanced on" in capsys.readouterr().out
     assert cli.run(["check", str(proof), "victim_balanced", mission, "--param", "beta=0.4"]) == 1
-    assert "it is not of victim_balanced: " in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "it is not of victim_balanced with beta=0.4: " in told
+    assert "_load has " in told  # which coefficient of which row
+    assert cli.run(["check", str(proof), "--param", "beta=0.4"]) == 2
+    assert "--param: is for a formulation" in capsys.readouterr().err
     assert cli.run(["check", str(proof), "victim_balanced", str(instances_dir / "paper.json")]) == 1
     assert "the variables are not the same" in capsys.readouterr().err
     assert cli.run(["check", str(proof), mission]) == 2

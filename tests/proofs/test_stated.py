@@ -83,10 +83,14 @@ def test_a_formulation_is_proved_and_is_recognised_coefficient_by_coefficient(
         ({"cost": np.array([0.7, 1 + 2.0**-50])}, r"objective's coefficient of x\[1\]"),
         ({"offset": 0.25}, "objective's coefficient of objective_constant"),
         ({"integer": np.array([True, False])}, r"x\[1\] is integer in the certificate"),
-        ({"upper": np.array([1.0, 2.0])}, r"upp:x\[1\] is missing"),
+        ({"upper": np.array([1.0, 2.0])}, r"upp:x\[1\] is <= 1, not <= 2"),
+        ({"upper": np.array([1.0, INF])}, r"1 x\[1\] <= 1 is not in the program"),
         ({"row_upper": np.array([3.0, 7.0])}, "row_1:upp is missing"),
-        ({"matrix": csr_array([[1, 2], [0.1 + 2.0**-50, -1]])}, "row_1 is missing"),
-        ({"row_lower": np.array([-INF, -0.3 - 2.0**-50])}, "row_1 is missing"),
+        (
+            {"matrix": csr_array([[1, 2], [0.1 + 2.0**-50, -1]])},
+            r"row_1 has 0\.1, not 0\.1000000\d+, as coefficient of x\[0\]",
+        ),
+        ({"row_lower": np.array([-INF, -0.3 - 2.0**-50])}, r"row_1 is >= -0\.3, not >= -0\.300"),
     ],
 )
 def test_every_number_of_the_program_is_compared(
@@ -129,8 +133,9 @@ def test_differences_are_told_one_by_one() -> None:
     found = Certificate(
         names=["x[0]", "x[1]", "objective_constant"], integer={0, 1, 2},
         objective={0: 7, 1: 10, 2: 5}, objective_under=10,
-        constraints=[Constraint(1, {0: 1}, 0)],
+        constraints=[Constraint(1, {0: 1}, 0)], labels=[(9, "low:x[0]")],
     )  # fmt: skip
     wrong = differences(given, found)
-    assert f"the objective's coefficient of x[0] is {float(Fraction(7, 10))!r}, not 0.7" in wrong[0]
+    # As floats both are 0.7.
+    assert f"the objective's coefficient of x[0] is 7/10, not {Fraction(0.7)}" in wrong[0]
     assert "upp:x[0] is missing" in wrong
