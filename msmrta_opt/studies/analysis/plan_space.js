@@ -3,6 +3,7 @@
 const data = JSON.parse(document.getElementById("data").textContent);
 const SVG = "http://www.w3.org/2000/svg";
 const RADIUS = 85;  // of a dot that is all of the square
+const APART = 18;  // from one to the next of dots at one place
 const box = { left: 74, right: 540, top: 18, bottom: 388 };
 const field = { left: 52, size: 372, top: 16 };
 let kept = null;
@@ -17,11 +18,17 @@ const short = (x) => Number(x.toPrecision(6)).toLocaleString("en");
 const percent = (plan) => Number((100 * plan.share).toPrecision(3));
 const choice = { across: data.axes[0], up: data.axes[1] };
 
+// From dark to bright in the order of the two metrics: no two plans are alike.
 function colourOf(plan) {
-  const values = data.plans.map((other) => other.metrics[choice.across]);
-  const [low, high] = [Math.min(...values), Math.max(...values)];
-  const at = high > low ? (plan.metrics[choice.across] - low) / (high - low) : 0;
+  const before = (other) => [choice.across, choice.up].map((name) => other.metrics[name] - plan.metrics[name])
+    .concat(other.number - plan.number).find((gap) => gap !== 0) < 0;
+  const at = data.plans.filter(before).length / Math.max(data.plans.length - 1, 1);
   return data.colours[Math.round(at * (data.colours.length - 1))];
+}
+
+function shiftOf(plan) {
+  const alike = data.plans.filter((other) => [choice.across, choice.up].every((name) => other.metrics[name] === plan.metrics[name]));
+  return APART * (alike.indexOf(plan) - (alike.length - 1) / 2);
 }
 
 function inkOn(colour) {
@@ -64,21 +71,38 @@ function drawSpace() {
   svg.append(element("text", { x: (box.left + box.right) / 2, y: 426, "text-anchor": "middle" }, data.metrics[choice.across].title));
   svg.append(element("text", { transform: `translate(14 ${(box.top + box.bottom) / 2}) rotate(-90)`, "text-anchor": "middle" }, data.metrics[choice.up].title));
   // The larger first, so that the smaller lie on them.
+  const drawn = [];
   for (const plan of [...data.plans].sort((a, b) => b.share - a.share)) {
-    const [cx, cy] = [x.at(plan.metrics[choice.across]), y.at(plan.metrics[choice.up])];
+    const [cx, cy] = [x.at(plan.metrics[choice.across]) + shiftOf(plan), y.at(plan.metrics[choice.up])];
     const r = RADIUS * Math.sqrt(plan.share);
     const dot = element("g", {
       class: "dot", tabindex: 0, role: "button", "data-plan": plan.number, "aria-label": said(plan),
     });
     dot.append(element("circle", { class: "hit", cx, cy, r: Math.max(r, 11) }));
     dot.append(element("circle", { class: "area", cx, cy, r, fill: colourOf(plan) }));
-    const inside = r > 10;
-    dot.append(element("text", {
-      class: "label", x: inside ? cx : cx + r + 4, y: cy + 4.5, "text-anchor": inside ? "middle" : "start",
-      ...(inside ? { fill: inkOn(colourOf(plan)) } : {}),
-    }, plan.number));
     watch(dot, plan.number);
     svg.append(dot);
+    drawn.push({ plan, dot, cx, cy, r });
+  }
+  const taken = [];
+  drawn.forEach((one, i) => numberDot(one, drawn.slice(i + 1), taken));
+}
+
+// In the dot if it is large enough and nothing lies on its middle, else beside it where no other number is.
+function numberDot({ plan, dot, cx, cy, r }, later, taken) {
+  const half = 4 * String(plan.number).length + 1;
+  const free = r > half + 3 && later.every((other) => Math.hypot(other.cx - cx, other.cy - cy) > other.r + half + 1);
+  const sides = [[1, 0], [-1, 0], [0, 1], [0, -1], [0.75, 0.75], [-0.75, -0.75]];
+  for (const [dx, dy] of free ? [[0, 0], ...sides] : sides) {
+    const [x, y] = [cx + dx * (r + half + 3), cy + dy * (r + 9)];
+    if (taken.some((other) => Math.abs(other.x - x) < half + other.half && Math.abs(other.y - y) < 13)) continue;
+    taken.push({ x, y, half });
+    const beside = dx !== 0 || dy !== 0;
+    dot.append(element("text", {
+      class: beside ? "label beside" : "label", x, y: y + 4.5, "text-anchor": "middle",
+      ...(beside ? {} : { fill: inkOn(colourOf(plan)) }),
+    }, plan.number));
+    return;
   }
 }
 

@@ -18,8 +18,10 @@ from typing import Any
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize, to_hex
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.transforms import offset_copy
 
 from ...mission.files import write_text
 from ...mission.metrics import METRICS, metrics_of
@@ -32,9 +34,9 @@ from .tradeoff_results import Regions
 
 ACROSS, UP = "makespan", "total_time"
 COLOURS = colormaps["cividis"]
-STOPS = 32
-RADIUS = 60.0
-"""Points: of a dot that is all of the square."""
+STOPS = 256
+RADIUS, APART = 60.0, 16.0
+"""Points: of a dot that is all of the square; from one to the next of dots at one place."""
 FRAME_HEIGHT = 900
 """Pixels that the page takes in a notebook."""
 
@@ -169,7 +171,7 @@ class PlanSpace:
         """The dots, and the square in the same colours and numbers."""
         figure = Picture(figsize=(10.5, 4.9), layout="constrained")
         space, square = figure.subplots(1, 2, width_ratios=(1.25, 1))
-        colour = _colours([dot.metrics[ACROSS] for dot in self.dots])
+        colour = _colours(self.dots)
         _draw_space(space, self.dots, colour)
         for region in self.regions.regions:
             number = self._number[region.plan.routes]
@@ -219,10 +221,20 @@ def _robots(plan: Any) -> list[str]:
     ]
 
 
-def _colours(values: Sequence[float]) -> list[tuple[float, ...]]:
-    low, high = min(values), max(values)
-    norm = Normalize(low, high if high > low else low + 1)
-    return [tuple(COLOURS(norm(value))) for value in values]
+def _colours(dots: Sequence[Dot]) -> list[tuple[float, ...]]:
+    """A colour for each, from dark to bright in the order of the two metrics: no two are alike."""
+    order = sorted(dots, key=lambda dot: (dot.metrics[ACROSS], dot.metrics[UP], dot.number))
+    place = {dot.number: rank / max(len(dots) - 1, 1) for rank, dot in enumerate(order)}
+    return [tuple(COLOURS(place[dot.number])) for dot in dots]
+
+
+def _shifts(dots: Sequence[Dot]) -> list[float]:
+    """Points to the right by which each is moved, so that those at one place stand side by side."""
+    places = [(dot.metrics[ACROSS], dot.metrics[UP]) for dot in dots]
+    return [
+        APART * (places[:i].count(place) - (places.count(place) - 1) / 2)
+        for i, place in enumerate(places)
+    ]
 
 
 def _draw_space(ax: Axes, dots: Sequence[Dot], colour: Sequence[tuple[float, ...]]) -> None:
@@ -233,35 +245,48 @@ def _draw_space(ax: Axes, dots: Sequence[Dot], colour: Sequence[tuple[float, ...
     ax.margins(0.28)
     ax.spines[["top", "right"]].set_visible(False)
     ax.set_title("One dot a plan, its area its share of the square", fontsize=10)
+    # The larger first, so that the smaller lie on them.
     order = sorted(range(len(dots)), key=lambda i: -dots[i].share)
-    x = np.array([dots[i].metrics[ACROSS] for i in order])
-    y = np.array([dots[i].metrics[UP] for i in order])
-    size = np.array([(2 * RADIUS) ** 2 * float(dots[i].share) for i in order])
-    ax.scatter(x, y, s=size, c=[colour[i] for i in order], edgecolors=INK, linewidths=0.6)
-    _number_dots(ax, [str(dots[i].number) for i in order], x, y, size)
+    moved = _shifts(dots)
+    for i in order:
+        at = [dots[i].metrics[ACROSS]], [dots[i].metrics[UP]]
+        area = (2 * RADIUS) ** 2 * float(dots[i].share)
+        place = offset_copy(ax.transData, ax.get_figure(root=True), x=moved[i], units="points")
+        ax.scatter(*at, s=area, color=[colour[i]], ec="white", lw=0.8, transform=place, zorder=3)
+        ax.update_datalim(np.column_stack(at))
+    inks = [readable_on(colour[i]) for i in order]
+    _number_dots(ax, [dots[i] for i in order], [moved[i] for i in order], inks)
 
 
 def _number_dots(
-    ax: Axes, names: Sequence[str], x: np.ndarray, y: np.ndarray, size: np.ndarray
+    ax: Axes, dots: Sequence[Dot], moved: Sequence[float], inks: Sequence[str]
 ) -> None:
-    """A number beside each dot, on the side where no other number is; none where there is no side."""
+    """A number in each dot, or beside one that is too small for it, where no other number is."""
     ax.autoscale_view()
     box = ax.get_window_extent()
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     dpi = POINTS_PER_INCH / ax.get_figure(root=True).dpi  # type: ignore[union-attr]
-    across = (x - left) / (right - left) * box.width * dpi
-    up = (y - low) / (high - low) * box.height * dpi
+    across = [(dot.metrics[ACROSS] - left) / (right - left) * box.width * dpi for dot in dots]
+    places = np.array(across) + moved
+    heights = np.array([(dot.metrics[UP] - low) / (high - low) * box.height * dpi for dot in dots])
+    radii = np.array([RADIUS * float(dot.share) ** 0.5 for dot in dots])
     taken: list[tuple[float, float, float]] = []
-    for name, px, py, area in zip(names, across, up, size, strict=True):
-        radius, half = np.sqrt(area) / 2, width_of(name, SMALL) / 2 + 1
-        for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1), (0.75, 0.75), (-0.75, -0.75)):
-            at = px + dx * (radius + half + 2), py + dy * (radius + 7)
+    for i, (dot, shift, ink) in enumerate(zip(dots, moved, inks, strict=True)):
+        name, px, py, radius = str(dot.number), places[i], heights[i], radii[i]
+        half = width_of(name, SMALL) / 2 + 1
+        later = slice(i + 1, None)
+        gaps = np.hypot(places[later] - px, heights[later] - py) - radii[later]
+        inside = [(0.0, 0.0)] if radius > half + 3 and np.all(gaps > half + 1) else []
+        for dx, dy in (*inside, (1, 0), (-1, 0), (0, 1), (0, -1), (0.75, 0.75), (-0.75, -0.75)):
+            at = (px + dx * (radius + half + 2), py + dy * (radius + 7))
             if all(abs(at[0] - a) > half + h or abs(at[1] - b) > 11 for a, b, h in taken):
                 taken.append((*at, half))
                 ax.annotate(
-                    name, (x[names.index(name)], y[names.index(name)]),
-                    xytext=(at[0] - px, at[1] - py), textcoords="offset points", ha="center",
-                    va="center_baseline", fontsize=SMALL, color=INK,
+                    name, (dot.metrics[ACROSS], dot.metrics[UP]), textcoords="offset points",
+                    xytext=(shift + at[0] - px, at[1] - py), ha="center", va="center_baseline",
+                    fontsize=SMALL, zorder=4,
+                    color=INK if dx or dy else ink,
+                    path_effects=[withStroke(linewidth=2.5, foreground="white")] if dx or dy else [],
                 )  # fmt: skip
                 break
 
@@ -278,7 +303,7 @@ def _draw_region(
     left, low = float(psi[0]), float(beta[0])
     width, height = float(psi[1] - psi[0]), float(beta[1] - beta[0])
     ax.add_patch(Rectangle((left, low), width, height, fc=colour, ec="white", lw=0.8))
-    if width > 0.035 * len(text) + 0.015 and height > 0.06:
+    if width > 0.035 * len(text) + 0.015 and height > 0.04:
         ax.text(
             left + width / 2, low + height / 2, text, ha="center", va="center_baseline",
             fontsize=SMALL, color=readable_on(colour),

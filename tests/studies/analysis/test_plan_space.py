@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 from matplotlib.collections import PathCollection
+from matplotlib.colors import to_hex
 from support.browser import PROGRAM, WITHOUT, Browser
 from support.legible import illegible
 
@@ -15,7 +17,7 @@ import msmrta_opt as mo
 from msmrta_opt.cli import run
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.plan import Plan
-from msmrta_opt.studies.analysis.plan_space import PlanSpace
+from msmrta_opt.studies.analysis.plan_space import APART, PlanSpace
 from msmrta_opt.studies.analysis.tradeoff_results import Region, Regions
 
 HALF, ONE, NONE = Fraction(1, 2), Fraction(1), Fraction(0)
@@ -53,13 +55,25 @@ def test_the_sentence_says_the_largest_share_and_the_best(plan: Plan) -> None:
 
 def test_dots_have_the_area_of_their_share(plan: Plan) -> None:
     figure = found(plan).plot()
-    (dots,) = (x for x in figure.axes[0].collections if isinstance(x, PathCollection))
-    assert [tuple(map(float, at)) for at in dots.get_offsets()] == [(14, 21), (14, 14)]
-    large, small = dots.get_sizes()
+    dots = [x for x in figure.axes[0].collections if isinstance(x, PathCollection)]
+    assert [tuple(map(float, x.get_offsets()[0])) for x in dots] == [(14, 21), (14, 14)]
+    (large,), (small,) = (x.get_sizes() for x in dots)
     assert large == pytest.approx(3 * small)
     boxes = [(p.get_x(), p.get_y(), p.get_width(), p.get_height()) for p in figure.axes[1].patches]  # type: ignore[attr-defined]
     assert boxes == [(0, 0, 0.5, 1), (0.5, 0, 0.5, 0.5), (0.5, 0.5, 0.5, 0.5)]
     assert illegible(figure) == []
+
+
+def test_no_two_plans_have_one_colour_and_those_at_one_place_stand_side_by_side(plan: Plan) -> None:
+    space = found(plan)
+    alike = [dataclasses.replace(dot, metrics=space.dots[0].metrics) for dot in space.dots]
+    space.__dict__["dots"] = alike
+    figure = space.plot()
+    dots = [x for x in figure.axes[0].collections if isinstance(x, PathCollection)]
+    assert len({to_hex(x.get_facecolor()[0]) for x in dots}) == 2
+    figure.draw_without_rendering()
+    one, other = (x.get_offset_transform().transform((14, 21))[0] for x in dots)
+    assert abs(one - other) == pytest.approx(APART * figure.dpi / 72)
 
 
 def test_one_parameter_alone_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -92,6 +106,13 @@ def test_a_dot_of_the_page_and_its_parts_of_the_square_are_linked(
         "(dot) => [dot.dataset.plan, +dot.querySelector('.area').getAttribute('r')]))"
     )
     assert radii["1"] ** 2 == pytest.approx(3 * radii["2"] ** 2)
+    fills = (
+        "new Set([...document.querySelectorAll('.area')].map((x) => x.getAttribute('fill'))).size"
+    )
+    for across in ("makespan", "total_time"):  # the first is the same for both plans
+        choose = "const x = document.getElementById('across');"
+        browser.run(f"{{ {choose} x.value = '{across}'; x.dispatchEvent(new Event('change')) }}")
+        assert browser.run(fills) == 2
     marked = "[...document.querySelectorAll('.region.on')].map((x) => +x.dataset.plan)"
     browser.run("document.querySelector('.dot[data-plan=\"1\"]').focus()")
     browser.press("Enter")
