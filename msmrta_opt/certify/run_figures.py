@@ -26,6 +26,10 @@ def figures(run: Run) -> dict[str, float]:
             last[service.victim] = max(last.get(service.victim, 0.0), service.ended)
         else:
             lost_work += service.ended - service.began
+    waited = [event for event in run.events if event.what == "waiting"]
+    for event in waited:
+        if event.robot is not None:
+            done[event.robot] = max(done.get(event.robot, 0.0), event.time)
     speed = {drawn.robot: drawn.speed for drawn in run.world.speeds}
     distance = 0
     for track in run.tracks:
@@ -53,6 +57,7 @@ def figures(run: Run) -> dict[str, float]:
         "latency": sum(priority[victim] * time for victim, time in last.items()),
         "stood_still": still if still > 1e-9 * finished else 0.0,
         "work_lost": lost_work,
+        "still_waiting": len(waited),
         "robots_lost": sum(event.what == "lost" for event in run.events),
         "victims_turned_up": sum(e.what in ("announced", "found") for e in run.events),
         "replans": len(run.decisions),

@@ -9,22 +9,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from ..mission.run import Run
+from .run_facts import Facts
+from .run_orders import blocked_from, visits_for_nothing
 
-CLOSE = 1e-9
-"""Share of a time up to which two times are the same."""
 BLOCKED = ("wait", "skip", "detour")
 NEWS = ("lost", "noticed", "announced", "found")
 """Events that are followed by a decision."""
 
 
-def blocked_from(run: Run) -> float:
-    """When a cell is blocked for the first time; infinity if none is."""
-    return min((c.time for c in run.world.changes if not c.free), default=math.inf)
-
-
-def problems(run: Run) -> Iterator[str]:
+def problems(facts: Facts) -> Iterator[str]:
     """What is done for no reason, one line each; for runs that are right otherwise."""
+    run = facts.run
     blocked = run.options.get("blocked", BLOCKED[0])
     if blocked not in BLOCKED:
         yield f"the option blocked is {blocked!r}, which should be one of {', '.join(BLOCKED)}"
@@ -37,6 +32,7 @@ def problems(run: Run) -> Iterator[str]:
     first = blocked_from(run)
     robots = {robot.id for robot in run.plan.instance.robots}
     victims = {victim.id for victim in run.victims}
+    yield from _waits(facts)
     for event in run.events:
         if event.what != "skipped":
             continue
@@ -52,26 +48,23 @@ def problems(run: Run) -> Iterator[str]:
                 yield f"robot {track.robot} goes another way than the plan, for no reason"
 
 
-def may_stop(run: Run, robot: int, victim: int, kinds: tuple[str, ...]) -> bool:
-    """Whether a robot may never be done with a visit that it was told to make.
-
-    It may if it was lost over it, at the latest on the next step or service that it would have
-    finished; or if it may be waiting, or have waited, for a cell that was blocked.
-    """
-    is_blocked = not math.isinf(blocked_from(run))
-    if is_blocked and run.options.get("blocked") == "wait":
-        return True
-    loss = next((loss.time for loss in run.world.lost if loss.robot == robot), None)
-    if loss is None or is_blocked:
-        return loss is not None
-    track = next(track for track in run.tracks if track.robot == robot)
-    step = 1 / next(drawn.speed for drawn in run.world.speeds if drawn.robot == robot)
-    times = {(item.victim, item.kind): item.time for item in run.world.services}
-    last = max(
-        track.times[-1],
-        *(s.ended for s in run.services if s.robot == robot),
-        *(decision.time for decision in run.decisions if decision.time < loss),
-        0.0,
-    )
-    longest = max(step, *(times[victim, kind] for kind in kinds))
-    return loss <= (last + longest) * (1 + CLOSE)
+def _waits(facts: Facts) -> Iterator[str]:
+    """Who waited in vain did so for a cell that was blocked, until it was lost or the run ended."""
+    run = facts.run
+    for event in run.events:
+        if event.what != "waiting":
+            continue
+        if event.robot is None or event.robot not in facts.robots:
+            yield f"who waits until {event.time:g} is no robot of the mission"
+            continue
+        who = f"robot {event.robot}"
+        until = min(facts.lost.get(event.robot, math.inf), facts.end)
+        undone = {facts.followed[event.robot].stopped}
+        undone |= {visit.victim for visit in visits_for_nothing(run, event.robot)}
+        back = event.victim is None and not run.plan.limits.get("return_to_start")
+        if run.options.get("blocked") != "wait" or event.time < blocked_from(run):
+            yield f"{who} waits until {event.time:g}, when nothing is blocked"
+        elif event.time != until:
+            yield f"{who} waits until {event.time:g}, which should be {until:g}"
+        elif event.victim not in undone or back:
+            yield f"{who} waits for a way to victim {event.victim}, for no reason"

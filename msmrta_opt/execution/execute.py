@@ -69,7 +69,7 @@ def execute_checked(
             field="policy",
         )
     world = draw_world(plan, scenario, seed)
-    decide = chosen.begin(Situated(plan, values, seed, world))
+    decide = chosen.begin(Situated(plan, values, seed))
     simulation = Simulation(plan, scenario, world, decide, values["blocked"])
     simulation.run()
     run = Run(

@@ -1,7 +1,8 @@
 """What a run could have been at best, had all been known from the beginning: the price of not knowing.
 
 The joint problem of what the run served, with the speeds and service times that were drawn, all victims
-known at once, robots done before they are lost, and every cell free that was free at any time. Whatever
+known at once, robots done before they are lost or the run ends, and every cell free that was free at any
+time. Whatever
 a policy does that serves the same is no better than an optimum of this relaxation, and so its bound is
 one on every policy.
 """
@@ -95,7 +96,8 @@ def hindsight(run: Run, *, objective: str = DEFAULT, time_limit: float = 10.0) -
     if not mission.victims:
         return Hindsight(aim.name, came_to, 0.0, 0.0, proved=True)
     lost = {loss.robot: loss.time for loss in run.world.lost}
-    end = np.array([lost.get(robot.id, np.inf) for robot in mission.robots])
+    until = np.inf if run.scenario.until is None else run.scenario.until
+    end = np.array([min(lost.get(robot.id, np.inf), until) for robot in mission.robots])
     data = routing_data(Situation.of(mission))
     data = replace(data, endurance=end * (1 + 1e-9))
     with interruptible():

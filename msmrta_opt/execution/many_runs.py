@@ -28,6 +28,8 @@ PRELOAD = ("msmrta_opt.execution.many_runs", "msmrta_opt.planners", "networkx")
 class Outcome:
     """What one run came to.
 
+    Among ``figures``, the robots that are lost are those until the last of the runs that are compared
+    has ended: policies on the same seed lose the same.
     ``served`` holds by victim when the last of its requirements that any robot has was served, for
     those of which all were.
     """
@@ -99,14 +101,15 @@ def outcomes(
     seeds: Sequence[int],
 ) -> list[Outcome]:
     """What comes of these seeds, one after the other; a module's function for other processes."""
-    return [
-        _outcome(execute_checked(plan, scenario, name, seed, options))
-        for seed in seeds
-        for name, options in policies.items()
-    ]
+    found: list[Outcome] = []
+    for seed in seeds:
+        runs = [execute_checked(plan, scenario, name, seed, o) for name, o in policies.items()]
+        end = max((run.end for run in runs), default=0.0)
+        found += [_outcome(run, end) for run in runs]
+    return found
 
 
-def _outcome(run: Run) -> Outcome:
+def _outcome(run: Run, end: float) -> Outcome:
     capable = {kind for robot in run.plan.instance.robots for kind in robot.capabilities}
     done = {(service.victim, service.kind) for service in run.services if service.done}
     completion = run.metrics.completion
@@ -116,4 +119,5 @@ def _outcome(run: Run) -> Outcome:
         if all((victim.id, k) in done for k in victim.requirements if k in capable)
     )
     served = {ident: completion[ident] for ident in whole if ident in completion}
-    return Outcome(run.policy, run.seed, dict(run.figures), served)
+    lost = sum(loss.time <= end for loss in run.world.lost)
+    return Outcome(run.policy, run.seed, {**run.figures, "robots_lost": lost}, served)

@@ -5,6 +5,10 @@ opened, victims announced), then what robots finish, and what they notice; if th
 decides; then robots that are free begin what is next. A move that has begun is completed, also into a
 cell that is blocked meanwhile; none begins into a blocked one.
 
+A run ends at the scenario's ``until``, where what is under way is cut short. Without it, it ends when
+nothing more can happen to the mission: nobody moves or serves, all that the scenario has at a time has
+happened, and nobody who may be lost at a rate waits for a way.
+
 The time of a robot's i-th cell on a walk is when it set out plus i / speed, as plans have it, so that
 without uncertainty and events every time is that of the plan to the last bit.
 """
@@ -12,22 +16,21 @@ without uncertainty and events every time is that of the plan to the last bit.
 from __future__ import annotations
 
 import heapq
+import math
 import time as wall
 from collections import deque
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from ..arrays import Bools
 from ..mission.grid import Cell, GridMap
-from ..mission.instance import Instance, Robot, Victim
+from ..mission.instance import Instance, Victim
 from ..mission.plan import Plan
 from ..mission.run import (
     Change,
     Decision,
     Event,
     Loss,
-    Queue,
-    Queued,
     Service,
     Unknown,
     Walked,
@@ -35,52 +38,10 @@ from ..mission.run import (
 )
 from ..mission.scenario import Scenario
 from ..mission.visibility import FieldOfView
+from .body import Body, bodies_of, visits_of
 from .state import Blocked, Decide, Queues, RobotState, State, Task
 
 _LOST, _CHANGED, _ANNOUNCED = range(3)
-
-
-@dataclass(eq=False)
-class Body:
-    """A robot as it is at a time."""
-
-    number: int
-    robot: Robot
-    speed: float
-    cell: Cell
-    queue: deque[Task]
-    task: Task | None = None
-    """The visit that is under way, or walked to."""
-    leg: list[Cell] | None = None
-    """The cells of that walk, of which the robot is at number `step`."""
-    step: int = 0
-    base: float = 0.0
-    """When it set out on it."""
-    into: Cell | None = None
-    """The cell that a move under way leads to."""
-    kind: int | None = None
-    """Which of the visit's kinds is being served."""
-    began: float = 0.0
-    """When serving that kind began."""
-    ends: list[float] = field(default_factory=list)
-    """When serving each of the visit's kinds ends."""
-    until: float | None = None
-    """When what is under way ends."""
-    lost: bool = False
-    stuck: int | None = None
-    """The version of the known map on which there was no way on."""
-    cells: list[Cell] = field(default_factory=list)
-    times: list[float] = field(default_factory=list)
-
-    @property
-    def is_serving(self) -> bool:
-        """Whether a service is under way."""
-        return self.kind is not None
-
-    def ahead(self) -> tuple[Task, ...]:
-        """The visits to come; one that is walked to is the first of them."""
-        walking = self.task is not None and not self.is_serving
-        return (self.task, *self.queue) if walking and self.task else tuple(self.queue)
 
 
 class Simulation:
@@ -107,8 +68,6 @@ class Simulation:
         world: World,
         decide: Decide,
         blocked: Blocked,
-        *,
-        foresees: bool = False,
     ) -> None:
         mission = plan.instance
         self.mission, self.scenario, self.decide, self.blocked = mission, scenario, decide, blocked
@@ -117,19 +76,18 @@ class Simulation:
         self.known = mission.map.free.copy()
         self.version = 0
         self._grid: tuple[int, GridMap] = (0, mission.map)
-        self.hidden = {} if foresees else {item.victim.id: item for item in world.unknown}
+        self.hidden = {item.victim.id: item for item in world.unknown}
         first = [v for v in mission.victims if v.id not in self.hidden]
-        if foresees:
-            own = {v.id for v in first}
-            first += [item.victim for item in world.unknown if item.victim.id not in own]
         self.victims = {victim.id: victim for victim in first}
         self._mission: tuple[int, Instance] | None = None
         self.unserved = {victim.id: list(victim.requirements) for victim in first}
         self.seen_from = _seen_from(mission.map, scenario.visual_field_depth, self.hidden.values())
-        self.bodies = _bodies(plan, world)
+        self.bodies = bodies_of(plan, world)
         self.by_id = {body.robot.id: body for body in self.bodies}
         self.acts: list[tuple[float, int]] = []
-        self.happenings = _happenings(world, foresees=foresees)
+        self.happenings = _happenings(world)
+        self.horizon = math.inf if scenario.until is None else scenario.until
+        self.at_a_time = {(table.robot, table.time) for table in scenario.lost}
         self.news: list[Event] = []
         self.services: list[Service] = []
         self.events: list[Event] = []
@@ -137,8 +95,8 @@ class Simulation:
         self.deciding_seconds = 0.0
 
     def run(self) -> None:
-        """Execute until nothing more can happen."""
-        now: float | None = 0.0
+        """Execute until the end."""
+        now, after = 0.0, 0.0
         for body in self.bodies:
             body.cells.append(body.cell)
             body.times.append(0.0)
@@ -146,7 +104,8 @@ class Simulation:
         for body in self.bodies:
             if not body.lost:
                 self._look(body, 0.0)
-        while now is not None:
+        while after <= self.horizon and not math.isinf(after):
+            now = after
             self._happen(now)
             self._finish(now)
             if self.news:
@@ -154,7 +113,8 @@ class Simulation:
             for body in self.bodies:
                 if body.until is None and not body.lost:
                     self._begin(body, now)
-            now = self._next()
+            after = self._next()
+        self._end(now if math.isinf(self.horizon) else self.horizon)
 
     def tracks(self) -> tuple[Walked, ...]:
         """Where robots were."""
@@ -168,14 +128,29 @@ class Simulation:
         number = {body.robot.id: body.number for body in self.bodies}
         return tuple(sorted(self.services, key=lambda service: number[service.robot]))
 
-    def _next(self) -> float | None:
-        """The next time at which something happens that matters."""
+    def _next(self) -> float:
+        """The next time at which something happens that matters; infinity if there is none."""
         while self.acts and self.bodies[self.acts[0][1]].until != self.acts[0][0]:
             heapq.heappop(self.acts)  # of a robot that was lost
         times = [self.acts[0][0]] if self.acts else []
-        if self.acts or any(order != _LOST for _, order, _ in self.happenings):
+        if self.acts or any(self._matters(item) for _, _, item in self.happenings):
             times += [self.happenings[0][0]] if self.happenings else []
-        return min(times, default=None)
+        return min(times, default=math.inf)
+
+    def _matters(self, item: Loss | Change | Unknown) -> bool:
+        """Whether it is waited for: all is that comes by the end, or at a time, or to who waits."""
+        if not isinstance(item, Loss) or not math.isinf(self.horizon):
+            return True
+        at_a_time = (item.robot, item.time) in self.at_a_time
+        return at_a_time or self.by_id[item.robot].is_waiting
+
+    def _end(self, now: float) -> None:
+        """Cut short what is being served, and tell who still waits."""
+        for body in self.bodies:
+            if body.is_waiting:
+                self._tell_wait(body, now)
+            elif body.is_serving and not body.lost and body.began < now:
+                self._cut_short(body, now)
 
     # What the world does
 
@@ -203,12 +178,22 @@ class Simulation:
                     self._look(body, now)
 
     def _lose(self, body: Body, now: float) -> None:
-        if body.is_serving and body.task is not None:
-            victim, kind = body.task.victim, body.task.served[body.kind or 0]
-            self._serve(body, kind, now, done=False)
-            self._tell(now, "cut short", robot=body.robot.id, victim=victim, kind=kind)
+        if body.is_serving:
+            self._cut_short(body, now)
+        elif body.is_waiting:
+            self._tell_wait(body, now)
         body.lost, body.until = True, None
         self.news.append(self._tell(now, "lost", robot=body.robot.id, cell=body.cell))
+
+    def _cut_short(self, body: Body, now: float) -> None:
+        assert body.task is not None
+        victim, kind = body.task.victim, body.task.served[body.kind or 0]
+        self._serve(body, kind, now, done=False)
+        self._tell(now, "cut short", robot=body.robot.id, victim=victim, kind=kind)
+
+    def _tell_wait(self, body: Body, now: float) -> None:
+        assert body.task is not None
+        self._tell(now, "waiting", robot=body.robot.id, victim=body.task.victim)
 
     def _look(self, body: Body, now: float) -> None:
         """What a robot notices from the cell in which it stands."""
@@ -387,10 +372,10 @@ class Simulation:
         began = wall.perf_counter()
         answer = self.decide(state)
         self.deciding_seconds += wall.perf_counter() - began
-        before = [_visits(body) for body in standing]
+        before = [visits_of(body) for body in standing]
         if answer is not None:
             self._apply(answer)
-        after = [_visits(body) for body in standing]
+        after = [visits_of(body) for body in standing]
         if after != before:
             changed = sum(
                 len({v.victim for v in old.visits} - {v.victim for v in new.visits})
@@ -433,37 +418,17 @@ class Simulation:
             body.task, body.leg = replace(body.task, cells=()), None
 
 
-def _visits(body: Body) -> Queue:
-    ahead = [task for task in body.ahead() if task.victim is not None]
-    visits = tuple(Queued(victim=task.victim, served=task.served) for task in ahead)
-    return Queue(robot=body.robot.id, visits=visits)
-
-
-def _bodies(plan: Plan, world: World) -> list[Body]:
-    speed = {drawn.robot: drawn.speed for drawn in world.speeds}
-    routes = {route.robot: route for route in plan.routes}
-    bodies = []
-    for number, robot in enumerate(plan.instance.robots):
-        queue: deque[Task] = deque()
-        if robot.id in routes:
-            route = routes[robot.id]
-            queue += [Task(visit.victim, visit.served, visit.cells) for visit in route.visits]
-            queue += [Task(None, (), route.back)] if route.back else []
-        bodies.append(Body(number, robot, speed[robot.id], robot.start, queue))
-    return bodies
-
-
-def _happenings(
-    world: World, *, foresees: bool
-) -> deque[tuple[float, int, Loss | Change | Unknown]]:
+def _happenings(world: World) -> deque[tuple[float, int, Loss | Change | Unknown]]:
     """What the world does, in its order."""
     found: list[tuple[float, int, Loss | Change | Unknown]] = [
         *((loss.time, _LOST, loss) for loss in world.lost),
         *((change.time, _CHANGED, change) for change in world.changes),
+        *(
+            (item.announced, _ANNOUNCED, item)
+            for item in world.unknown
+            if item.announced is not None
+        ),
     ]
-    if not foresees:
-        announced = (item for item in world.unknown if item.announced is not None)
-        found += [(item.announced or 0.0, _ANNOUNCED, item) for item in announced]
     return deque(sorted(found, key=lambda item: item[:2]))
 
 

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from ..mission.grid import Cell, GridMap
 from ..mission.instance import Instance, Victim
 from ..mission.plan import Plan
-from ..mission.run import Event, World
+from ..mission.run import Event
 
 Blocked = Literal["wait", "skip", "detour"]
 """What a robot does before a blocked cell: stand until it opens, leave the visit out, or go round it
@@ -68,12 +68,11 @@ Queues = Mapping[int, Sequence[Task]]
 
 @dataclass(frozen=True)
 class Situated:
-    """What a policy is made for: the plan, its options, the seed, the world for one that foresees."""
+    """What a policy is made for: the plan, its options, the seed."""
 
     plan: Plan
     options: Mapping[str, Any]
     seed: int
-    world: World
 
 
 Decide = Callable[[State], Queues | None]

@@ -70,7 +70,7 @@ class Walked(PlanRecord):
 
 
 class Service(PlanRecord):
-    """A robot that serves a requirement; not ``done`` if it was lost over it."""
+    """A robot that serves a requirement; not ``done`` if it was lost over it, or the run ended."""
 
     robot: Id
     victim: Id
@@ -90,6 +90,7 @@ What = Literal[
     "served",
     "cut short",
     "skipped",
+    "waiting",
     "decided",
 ]
 
@@ -108,6 +109,9 @@ class Event(PlanRecord):
         words = [self.what] + ([self.kind, "at"] if self.kind else [])
         words += [] if self.victim is None else [f"victim {self.victim}"]
         who = "" if self.robot is None else f"robot {self.robot}"
+        if self.what == "waiting":
+            where = "back" if self.victim is None else f"to victim {self.victim}"
+            return f"{who} still waits for a way {where}"
         if self.what == "lost":
             return f"lost {who} in {list(self.cell or ())}"
         words += [] if self.cell is None else [f"{list(self.cell)}"]

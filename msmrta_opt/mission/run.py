@@ -76,6 +76,14 @@ class Run(PlanRecord):
         )
 
     @property
+    def end(self) -> float:
+        """When the run ended: at its scenario's ``until``, or with the last that happened."""
+        if self.scenario.until is not None:
+            return self.scenario.until
+        times = [event.time for event in self.events]
+        return max([*times, *(track.times[-1] for track in self.tracks)], default=0.0)
+
+    @property
     def victims(self) -> tuple[Victim, ...]:
         """All that there were: those of the mission, and those of the scenario."""
         own = {victim.id for victim in self.plan.instance.victims}

@@ -86,12 +86,12 @@ class RunMetrics:
 
     @metric("total time", TIME, better="less", words="total time, travel and service")
     def total_time(self) -> float:
-        """When robots are done, all together, less what they stood still before."""
+        """When robots are done, all together, less what they stood still."""
         return sum(self.done_of.values()) - self.stood_still
 
     @metric("makespan", TIME, better="less")
     def makespan(self) -> float:
-        """When the last robot is done."""
+        """When the last robot is done, or has waited until the end in vain."""
         return max(self.done_of.values(), default=0.0)
 
     @metric("latency", TIME, better="less", words="latency, completion times summed by priority")
@@ -101,13 +101,18 @@ class RunMetrics:
 
     @metric("time stood still", TIME, better="less", heading="stood still")
     def stood_still(self) -> float:
-        """Time in which robots that were not done yet neither moved nor served."""
+        """Time in which robots that were not done, nor lost, neither moved nor served."""
         return sum(self._still_of.values())
 
     @metric("work lost", TIME, better="less")
     def work_lost(self) -> float:
-        """Service time spent by robots that were lost over it."""
+        """Service time spent on what was not finished: the robot was lost over it, or the run ended."""
         return float(sum(s.ended - s.began for s in self.run.services if not s.done))
+
+    @metric("robots still waiting", better="less", heading="waiting")
+    def still_waiting(self) -> int:
+        """Robots that waited for a way to a visit until the run ended, or they were lost."""
+        return len(self._waited)
 
     @metric("robots lost")
     def robots_lost(self) -> int:
@@ -140,9 +145,12 @@ class RunMetrics:
 
     @cached_property
     def done_of(self) -> Mapping[int, float]:
-        """When a robot had moved and served for the last time, per robot id."""
+        """When a robot had moved, served or waited in vain for the last time, per robot id."""
         return {
-            track.robot: max(end for _, end in _acts(self.run, track)) for track in self.run.tracks
+            track.robot: max(
+                self._waited.get(track.robot, 0.0), *(end for _, end in _acts(self.run, track))
+            )
+            for track in self.run.tracks
         }
 
     def served_by(self, time: float) -> int:
@@ -165,11 +173,17 @@ class RunMetrics:
         return {victim.id: victim.priority for victim in self.run.victims}
 
     @cached_property
+    def _waited(self) -> Mapping[int | None, float]:
+        """Until when robots waited in vain."""
+        return {event.robot: event.time for event in self.run.events if event.what == "waiting"}
+
+    @cached_property
     def _still_of(self) -> Mapping[int, float]:
         still: dict[int, float] = {}
         for track in self.run.tracks:
             clock, total = 0.0, 0.0
-            for began, ended in _acts(self.run, track):
+            end = self._waited.get(track.robot, 0.0)
+            for began, ended in (*_acts(self.run, track), (end, end)):
                 if began - clock > ROUNDING * ended:
                     total += began - clock
                 clock = max(clock, ended)

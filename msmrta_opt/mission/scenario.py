@@ -25,6 +25,7 @@ FORMAT: Literal["msmrta-scenario/1"] = "msmrta-scenario/1"
 Factor = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 Sigma = Annotated[float, Field(ge=0, le=5, allow_inf_nan=False)]
 Rate = Annotated[float, Field(gt=0, le=1e30, allow_inf_nan=False)]
+End = Annotated[float, Field(gt=0, le=1e30, allow_inf_nan=False)]
 
 _NEEDED = {
     "fixed": ("value",),
@@ -150,7 +151,8 @@ class Scenario(_Table):
     """What may happen; without any table, nothing does.
 
     ``notice`` says when robots learn that a cell is blocked or opened: when one of them stands
-    ``before`` it, or ``at_once``. ``visual_field_depth`` is how far robots see victims, in cells.
+    ``before`` it, or ``at_once``. ``visual_field_depth`` is how far robots see victims, in cells. Runs
+    end at ``until``, whatever robots are doing then; without it, when nothing more can happen.
     """
 
     format: Literal["msmrta-scenario/1"] = FORMAT
@@ -158,6 +160,7 @@ class Scenario(_Table):
     description: str = ""
     notice: Literal["before", "at_once"] = "before"
     visual_field_depth: Id = 0
+    until: End | None = None
     speed: tuple[SpeedTable, ...] = ()
     service: tuple[ServiceTable, ...] = ()
     lost: tuple[LostTable, ...] = ()

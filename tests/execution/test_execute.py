@@ -126,6 +126,58 @@ def test_before_a_blocked_cell_a_robot_waits_or_leaves_the_visit_out(
         assert run.metrics.stood_still == 17.0
 
 
+CLOSED = {"corridors": [{"cells": [[0, 4]], "blocked": 12.5}]}
+STILL = "robot 4 still waits for a way to victim 8"
+
+
+@pytest.mark.parametrize(
+    ("more", "end", "told"),
+    [
+        # It stands at 3 from 13 on; nothing more can happen then.
+        ({}, 13.0, [STILL]),
+        ({"until": 100.0}, 100.0, [STILL]),
+        # Of a robot that waits it matters when it is lost, and what has a time is waited for.
+        ({"lost": [{"robot": 4, "time": 50.0}]}, 50.0, [STILL, "lost robot 4 in [0, 3]"]),
+        ({"lost": [{"robot": 4, "time": 50.0}], "until": 30.0}, 30.0, [STILL]),
+    ],
+)
+def test_a_robot_that_waits_for_ever_is_told_as_waiting_and_not_as_done(
+    corridor: Plan, more: dict[str, object], end: float, told: list[str]
+) -> None:
+    run = execute(corridor, {**CLOSED, **more}, blocked="wait")
+    assert [
+        str(event) for event in run.events if event.time >= 13 and event.what != "noticed"
+    ] == told
+    assert (run.end, run.metrics.makespan, run.metrics.stood_still) == (end, end, end - 13)
+    assert (run.metrics.still_waiting, run.metrics.total_time) == (1, 13.0)
+
+
+def test_a_robot_that_waits_is_lost_at_its_rate(corridor: Plan) -> None:
+    run = execute(corridor, {**CLOSED, "lost": [{"rate": 0.001}]}, seed=1, blocked="wait")
+    (loss,) = run.world.lost
+    assert loss.time > 25
+    assert (run.end, run.metrics.robots_lost) == (loss.time, 1)
+    # A robot that is done is not waited for: its loss is no part of the run.
+    assert execute(corridor, {"lost": [{"rate": 0.001}]}, seed=1).metrics.robots_lost == 0
+
+
+def test_all_that_has_a_time_happens_in_every_run(corridor: Plan) -> None:
+    run = execute(corridor, {"lost": [{"robot": 4, "time": 500.0}]})
+    assert (run.end, run.metrics.robots_lost, run.metrics.makespan) == (500.0, 1, 25.0)
+
+
+@pytest.mark.parametrize(
+    ("until", "served", "spent"), [(11.0, 0, 9.0), (12.0, 1, 0.0), (14.5, 1, 0.0), (25.0, 2, 0.0)]
+)
+def test_at_the_end_of_a_scenario_what_is_under_way_is_cut_short(
+    corridor: Plan, until: float, served: int, spent: float
+) -> None:
+    # Victim 7 is served from 2 to 12, then three cells, and victim 8 from 15 to 25.
+    run = execute(corridor, {"until": until})
+    assert (run.metrics.n_served, run.metrics.work_lost, run.end) == (served, spent, until)
+    assert run.tracks[0].times[-1] <= until
+
+
 def test_a_move_that_has_begun_is_completed(corridor: Plan) -> None:
     run = execute(corridor, {"corridors": [{"cells": [[0, 1]], "blocked": 0.5}]})
     assert ended(run) == {7: 12.0, 8: 25.0}

@@ -52,6 +52,15 @@ def test_outcomes_are_the_same_on_any_number_of_jobs(plan: Plan, files: tuple[st
     assert gap.mean > 0
 
 
+def test_policies_on_one_seed_are_told_to_lose_the_same_robots(plan: Plan) -> None:
+    """Though the run that does more ends later, and more are lost by then."""
+    scenario = Scenario.from_document({"lost": [{"rate": 0.004}]})
+    found = list(execute_many(plan, scenario, {"keep": {}, "repair": {}}, range(12)))
+    lost = paired(found, "keep", "repair", "robots_lost")
+    assert (lost.less, lost.equal, lost.more) == (0, 12, 0)
+    assert paired(found, "keep", "repair", "makespan").more > 0
+
+
 def test_the_interval_of_a_median_is_that_of_the_tables() -> None:
     # Of ten values the second and the ninth hold the median with probability 97.9 %.
     found = quantile([float(i) for i in range(1, 11)], 0.5)

@@ -149,11 +149,54 @@ def decide(changed: dict[str, Any]) -> None:
     changed["events"].insert(1, {"time": 12.0, "what": "decided"})
 
 
+def wait_in_vain(changed: dict[str, Any]) -> None:
+    """Where nothing is blocked."""
+    wait_and_end(changed)
+    changed["events"].append({"time": 12.0, "what": "waiting", "robot": 4, "victim": 8})
+
+
+def wait_for_what_is_done(changed: dict[str, Any]) -> None:
+    """Victim 7, which is served; cell 5 of the corridor is blocked before the robot is near it."""
+    end_after_the_first(changed)
+    changed["options"]["blocked"] = "wait"
+    close(changed, 5)
+    changed["events"].append({"time": 12.0, "what": "waiting", "robot": 4, "victim": 7})
+
+
+def wait_for_longer_than_the_run(changed: dict[str, Any]) -> None:
+    end_after_the_first(changed)
+    changed["options"]["blocked"] = "wait"
+    close(changed, 5)
+    changed["events"].append({"time": 99.0, "what": "waiting", "robot": 4, "victim": 8})
+
+
+def close(changed: dict[str, Any], col: int) -> None:
+    changed["scenario"]["corridors"] = [{"cells": [[0, col]], "blocked": 1.5}]
+    changed["world"]["changes"] = [{"time": 1.5, "cell": [0, col], "free": False}]
+    changed["events"].insert(0, {"time": 1.5, "what": "blocked", "cell": [0, col]})
+
+
+def go_on_after_the_end(changed: dict[str, Any]) -> None:
+    changed["scenario"]["until"] = 20.0
+
+
+def lose_who_is_done(changed: dict[str, Any]) -> None:
+    """At a rate, after all is done: nobody would have waited for it."""
+    changed["scenario"]["lost"] = [{"rate": 0.001}]
+    changed["world"]["lost"] = [{"robot": 4, "time": 77.0}]
+    changed["events"].append({"time": 77.0, "what": "lost", "robot": 4, "cell": [0, 5]})
+
+
 FALSE = {
     end_after_the_first: "robot 4 does not do at victim 8 what it is told",
     wait_and_end: "robot 4 does not do at victim 8 what it is told",
     leave_out: "robot 4 leaves out a visit at 12, when nothing is blocked",
     be_lost_much_later: "robot 4 does not do at victim 8 what it is told",
+    wait_in_vain: "robot 4 waits until 12, when nothing is blocked",
+    wait_for_what_is_done: "robot 4 waits for a way to victim 7, for no reason",
+    wait_for_longer_than_the_run: "robot 4 waits until 99, which should be 12",
+    go_on_after_the_end: "robot 4 serves Aid at victim 8 until 25, but the run ended at 20",
+    lose_who_is_done: "an event did not happen: lost (4, (0, 5)) at 77",
     stand_still: "robot 4 stands still from 0 to 100, for no reason",
     wander: "robot 4 goes another way than the plan, for no reason",
     leave_out_nothing: "what is left out at 25 is no visit of a robot to a victim",

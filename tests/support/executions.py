@@ -105,6 +105,8 @@ def scenario(number: int, made: Plan) -> Scenario:
             if chance.random() < 0.5
         ],
     }
+    if chance.random() < 0.25:
+        document["until"] = end * chance.choice([0.3, 1.0, 2.0])
     return Scenario.from_document(document)
 
 
