@@ -24,6 +24,7 @@ import nbformat
 from jupyter_client.kernelspec import KernelSpec, KernelSpecManager
 from jupyter_client.manager import AsyncKernelManager
 from nbclient import NotebookClient
+from nbclient.output_widget import OutputWidget
 
 FOLDER = Path(__file__).resolve().parent
 VARIES = "varies"
@@ -60,6 +61,17 @@ class _ThisPython(KernelSpecManager):  # type: ignore[misc]  # its package is ta
         )
 
 
+class _Listening(OutputWidget):  # type: ignore[misc]
+    """Keeps what an output widget shows, and does not tell the kernel, which has no use for it.
+
+    What is sent while a cell's reply is waited for can swallow the wake-up of the reply, and the run
+    waits for ever (github.com/jupyter/nbclient, issue 312).
+    """
+
+    def sync_state(self) -> None:
+        """Nothing."""
+
+
 def read(path: Path) -> Notebook:
     """The notebook in a file."""
     return nbformat.read(path, as_version=4)
@@ -91,6 +103,7 @@ def executed(notebook: Notebook, folder: Path = FOLDER) -> Notebook:
             iopub_timeout=PATIENCE_SECONDS,
             resources={"metadata": {"path": str(folder)}},
         )
+        client.widget_registry = {"@jupyter-widgets/output": {"OutputModel": _Listening}}
         client.execute(cleanup_kc=True)  # the kernel ends with the run
     for error in _errors_in_widgets(run):
         raise RuntimeError(f"a widget shows {error['ename']}: {error['evalue']}")

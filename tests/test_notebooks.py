@@ -100,6 +100,17 @@ def test_an_error_inside_a_widget_stops_the_run(tmp_path: Path, refresh: ModuleT
         refresh.executed(of(show), tmp_path)
 
 
+def test_a_kernel_is_told_nothing_while_its_reply_is_waited_for(
+    tmp_path: Path, refresh: ModuleType
+) -> None:
+    """Else the reply can be missed, and the run never ends."""
+    ran = refresh.executed(
+        of("import ipywidgets as w\nout = w.Output()", "with out:\n    print('x')", "out.outputs"),
+        tmp_path,
+    )
+    assert refresh.words(ran)["c"] == ["text/plain: ()"]
+
+
 def test_a_notebook_kept_as_it_was_run_has_no_faults(
     kept: Callable[..., Path], refresh: ModuleType
 ) -> None:
