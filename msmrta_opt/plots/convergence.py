@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from ..mission.convergence import Convergence, SearchRecord
 from .figure import own_axes
 from .legends import legend_below
-from .lettering import as_written, shortened
+from .lettering import as_written, told_apart
 from .style import FAINT, line_styles
 
 EARLIEST = 1e-3
@@ -38,6 +38,7 @@ def plot_convergence(searches: Convergence, ax: Axes | None = None) -> Axes:
     ax = own_axes(8, 4.6 + 0.2 * len(records)) if ax is None else ax
     first = min((step.seconds for one in records.values() for step in one.steps), default=EARLIEST)
     first = max(first, EARLIEST)
+    said = told_apart(records)
     for name, look in line_styles(records).items():
         record, colour = records[name], look["color"]
         times = [max(step.seconds, first) for step in record.steps]
@@ -46,7 +47,7 @@ def plot_convergence(searches: Convergence, ax: Axes | None = None) -> Axes:
         ax.fill_between(times, bounds, worth, step="post", color=colour, alpha=0.08, linewidth=0)
         ax.step(
             times, worth, where="post", color=colour, linewidth=2,
-            label=f"{shortened(name)}: {says_end(record)}",
+            label=f"{said[name]}: {says_end(record)}",
         )  # fmt: skip
         ax.step(times, bounds, where="post", color=colour, linewidth=1.6, linestyle=(0, (4, 1.5)))
         ax.plot(

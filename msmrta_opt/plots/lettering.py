@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache, wraps
+from itertools import takewhile
 from typing import ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
@@ -55,6 +56,44 @@ def shortened(text: str, longest: int = LONGEST_NAME) -> str:
     """`text`, each of its lines cut to so many characters."""
     lines = text.split("\n")
     return "\n".join(x if len(x) <= longest else f"{x[: longest - 1]}…" for x in lines)
+
+
+def told_apart(names: Iterable[str], longest: int = LONGEST_NAME) -> dict[str, str]:
+    """By name what a picture says of it: those that are cut stay as different as they were.
+
+    Of names that would look alike, what they have in common is left out, not what they differ by.
+    """
+    whole = list(dict.fromkeys(names))
+    head = longest // 4
+    found = {name: shortened(name, longest) for name in whole}
+    for alike in _alike(found):
+        rests = {name: name[head:] for name in alike}
+        cut = _differing(list(rests.values()), longest - head)
+        found |= {name: name[:head] + cut[rest] for name, rest in rests.items()}
+    for alike in _alike(found):  # where what differs is itself too long to be shown
+        found |= {name: f"{found[name][: longest - 4]}… {i}" for i, name in enumerate(alike, 1)}
+    return found
+
+
+def _differing(texts: list[str], longest: int) -> dict[str, str]:
+    """Each cut to so many characters from the word on by which it differs."""
+    same = takewhile(lambda letters: len(set(letters)) == 1, zip(*texts, strict=False))
+    common = len(list(same))
+    word = texts[0].rfind(" ", max(common - 12, 0), common) + 1
+    start = word or max(common - 4, 0)
+    found = {text: shortened(f"…{text[start:]}" if start else text, longest) for text in texts}
+    for alike in _alike(found):
+        if len(alike) < len(texts):
+            found |= _differing(alike, longest)
+    return found
+
+
+def _alike(found: dict[str, str]) -> list[list[str]]:
+    """The keys that share a value, together."""
+    groups: dict[str, list[str]] = {}
+    for key, value in found.items():
+        groups.setdefault(value, []).append(key)
+    return [group for group in groups.values() if len(group) > 1]
 
 
 def fitted(text: str, size: float, width: float, *, bold: bool = False) -> str:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -18,7 +20,7 @@ from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.plots import lettering
-from msmrta_opt.plots.lettering import BOX, shortened
+from msmrta_opt.plots.lettering import BOX, shortened, told_apart
 from msmrta_opt.studies.analysis.profile import performance_profile
 from msmrta_opt.studies.analysis.staging import Loss
 from msmrta_opt.studies.analysis.staging_picture import staging_losses
@@ -158,3 +160,24 @@ def test_a_font_that_has_a_letter_is_used_for_it(monkeypatch: pytest.MonkeyPatch
     assert lettering._fonts_for("abü", FontProperties()) == (["More"], "abü")
     assert lettering._fonts_for("abüé", FontProperties()) == (["More"], f"abü{BOX}")
     assert lettering._fonts_for("ab", FontProperties()) == ((), "ab")
+
+
+def test_names_that_differ_at_their_ends_stay_different_when_they_are_cut() -> None:
+    common = "msmrta improve=5 b2_model=cluster_one_to_one"
+    names = [f"{common} solver=HIGHS", f"{common} solver=SCIP", "greedy", f"{common} seed=1"]
+    assert told_apart(names) == {
+        names[0]: "msmrta imp…solver=HIGHS",
+        names[1]: "msmrta imp…solver=SCIP",
+        names[2]: "greedy",
+        names[3]: "msmrta imp…seed=1",
+    }
+    alone = names[:1]
+    assert told_apart(alone) == {alone[0]: "msmrta improve=5 b2_model=cluster_one_t…"}
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.text("ab", max_size=30).map(lambda x: "p" * 50 + x + x[::-1] * 3), max_size=12))
+def test_cut_names_are_as_different_as_they_were_and_no_longer_than_said(names: list[str]) -> None:
+    cut = told_apart(names)
+    assert len(set(cut.values())) == len(set(names))
+    assert all(len(said) <= 40 for said in cut.values())

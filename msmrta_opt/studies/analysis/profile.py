@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, Locator, LogLocator, MaxNLocator, NullFormatter
 
 from ...plots.figure import own_axes
-from ...plots.lettering import as_written, shortened
+from ...plots.lettering import as_written, told_apart
 from ...plots.style import line_styles
 from ..record import Record
 from ..solves import records_of
@@ -34,12 +34,13 @@ def draw_profile(ax: Axes, times: pd.DataFrame, looks: Mapping[str, Mapping[str,
     """
     steps, tried = profile(times), finished(times)
     worst = max(1.3 * steps["factor"].max(), 1.3) if len(steps) else 1.3
+    said = told_apart(map(str, times))
     for who in times:
         mine = steps[steps["who"] == who]
         share = mine["share (%)"].to_numpy(float)
         x = np.concatenate([[1.0], mine["factor"].to_numpy(float), [worst]])
         y = np.concatenate([[0.0], share, share[-1:] if len(share) else [0.0]])
-        label = f"{shortened(str(who))} ({int(tried[who].notna().sum())} of {len(tried)})"
+        label = f"{said[str(who)]} ({int(tried[who].notna().sum())} of {len(tried)})"
         look = {name: value for name, value in looks[who].items() if name != "marker"}
         ax.plot(x, y, **look, drawstyle="steps-post", linewidth=2, label=label)
     ax.set_xscale("log")

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from ...mission.metrics import METRICS
-from ...plots.lettering import shortened
+from ...plots.lettering import shortened, told_apart
 from ...plots.style import FAINT, INK, readable_on
 from .blocks import Cell, HeatMaps, MapHeat, Panel
 from .runs import METHODS, contenders, varying
@@ -186,9 +186,11 @@ def _sheet(maps: Sequence[MapHeat], title: str) -> Figure:
     ax = figure.add_axes((0, 0, 1, 1))
     ax.set_axis_off()
     right = len(columns) * (1 + GAP)
+    said = told_apart(columns, 36)
     for row, item in enumerate(maps):
         for panel in item.panels:
-            _draw_panel(ax, panel, columns[panel.contender] * (1 + GAP), row * 1.32)
+            left = columns[panel.contender] * (1 + GAP)
+            _draw_panel(ax, panel, said[panel.contender], left, row * 1.32)
         ax.text(
             -0.27, row * 1.32 + 0.5, shortened(item.map), rotation=90, ha="center", va="center",
             fontsize=10, weight="bold",
@@ -203,7 +205,7 @@ def _sheet(maps: Sequence[MapHeat], title: str) -> Figure:
     return figure
 
 
-def _draw_panel(ax: Axes, panel: Panel, left: float, top: float) -> None:
+def _draw_panel(ax: Axes, panel: Panel, said: str, left: float, top: float) -> None:
     n_x, n_y = len(panel.victims), len(panel.robots)
     image = np.ones((n_y, n_x, 4))
     for cell in panel.cells:
@@ -237,6 +239,4 @@ def _draw_panel(ax: Axes, panel: Panel, left: float, top: float) -> None:
         )
     ax.text(left + 0.5, top + 1.11, "victims", ha="center", va="top", fontsize=7)
     ax.text(left - 0.13, top + 0.5, "robots", rotation=90, ha="center", va="center", fontsize=7)
-    ax.text(
-        left + 0.5, top - 0.03, shortened(panel.contender, 36), ha="center", va="bottom", fontsize=8
-    )
+    ax.text(left + 0.5, top - 0.03, said, ha="center", va="bottom", fontsize=8)

@@ -18,7 +18,7 @@ from scipy import stats
 
 from ...mission.metrics import METRICS
 from ...mission.run_metrics import RUN_METRICS
-from ...plots.lettering import plain
+from ...plots.lettering import plain, told_apart
 from ...plots.style import INK
 from .blocks import Block, Picture, Section, Table, Words
 from .pairs import CONFIDENCE, SAME, Comparison, pairs_table
@@ -242,7 +242,7 @@ def served_picture(runs: pd.DataFrame) -> Picture:
     ax.hlines(places, data["from"], data["to"], color=INK, lw=4)
     ax.plot(data["mean"], places, "o", color=INK, ms=6)
     names = [f"{s}: {c}" for s, c in zip(data["scenario"], data["contender"], strict=True)]
-    ax.set_yticks(places, [plain(name) for name in names], color=INK)
+    ax.set_yticks(places, [plain(name) for name in told_apart(names).values()], color=INK)
     ax.invert_yaxis()
     ax.set_xlabel("available requirements served (%)")
     told = ", ".join(f"{name} {mean:.3g} %" for name, mean in zip(names, data["mean"], strict=True))

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import ArrayLike
 
-from ...plots.lettering import shortened
+from ...plots.lettering import shortened, told_apart
 from ...plots.style import INK
 from .blocks import Picture, Table
 from .runs import METHODS, contenders, per_instance
@@ -131,13 +131,12 @@ def _growth(name: str, over: str, n_robots: int | None, points: pd.DataFrame) ->
 def draw(growth: Growth, looks: Mapping[str, Mapping[str, Any]], method: str) -> Figure:
     """Medians with their quartiles, and the fitted law of each contender as a thin line."""
     figure, ax = own_axes(5.2, 3.8 + 0.2 * len(looks))
+    said = told_apart(looks)
     for contender, mine in growth.data.groupby("contender", sort=False):
         look = looks[contender]
         law = growth.fits.get(contender)
         label = (
-            shortened(contender)
-            if law is None
-            else f"{shortened(contender)}: exponent {_plus_minus(law)}"
+            said[contender] if law is None else f"{said[contender]}: exponent {_plus_minus(law)}"
         )
         size = mine["size"].to_numpy(float)
         ax.plot(size, mine["median (s)"], **look, linewidth=1.8, markersize=5, label=label)

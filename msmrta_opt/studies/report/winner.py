@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...plots.lettering import plain, shortened
+from ...plots.lettering import plain, told_apart
 from ...plots.style import FAINT, INK
 from .blocks import Block, Picture, Section, Table, Words
 from .pairs import CONFIDENCE, Comparison, Pair, Ratio, pairs_table
@@ -133,6 +133,7 @@ def quality_time(found: Comparison, looks: Mapping[str, Mapping[str, Any]]) -> P
         )
     data = pd.DataFrame(rows)
     figure, ax = own_axes(5.2, 3.6 + 0.2 * len(rows))
+    said = told_apart(found.contenders)
     for row in rows:
         who, x, y = row["contender"], row["planning time (s)"], row[f"{what}, of the best"]
         look = {key: value for key, value in looks[who].items() if key != "linestyle"}
@@ -141,7 +142,7 @@ def quality_time(found: Comparison, looks: Mapping[str, Mapping[str, Any]]) -> P
         served = "" if who in found.fullest else f", serves {row['served (%)']:.4g} %"
         ax.errorbar(
             [x], [y], yerr=ends if known else None, **look, linestyle="none", markersize=9,
-            markeredgecolor="white", capsize=3, label=f"{shortened(who)}{served}", zorder=3,
+            markeredgecolor="white", capsize=3, label=f"{said[who]}{served}", zorder=3,
         )  # fmt: skip
     front = _front(rows, what, less=less)
     ax.step(
