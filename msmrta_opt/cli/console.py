@@ -25,8 +25,10 @@ STANDARD_OUTPUT = Path("-")
 
 WIDTH_OF_FILES = 10_000
 """Columns where the output is not a terminal: as many as any table takes."""
-NARROWEST = 12
-"""Columns of a terminal that a text is given at least before a table becomes a list of records."""
+NARROWEST, MOST_LINES = 12, 6
+"""Columns of a terminal that a text is given at least, and lines that a row takes at most, before a
+table becomes a list of records."""
+INDENT = "  "
 BETWEEN = 3
 """Columns between two of a table's."""
 
@@ -96,41 +98,68 @@ def say(text: str = "") -> None:
     console().print(text, markup=False, soft_wrap=True)
 
 
-def table(
-    title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, wraps: str = ""
-) -> None:
-    """Print a table; columns of numbers are aligned to the right, and never broken.
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Print a table, its first column what a row is of; columns of numbers are aligned to the right.
 
-    Where the width does not suffice, the column `wraps`, by default the last of text, is broken
-    first, then every other of text; where even that does not suffice, there is one record below another.
+    Where the width does not suffice, texts are broken between words, so that no row takes more lines
+    than it must; names and numbers never are. Where a row would take more than `MOST_LINES`, there is
+    one record below another.
     """
     body = [[_cell(value) for value in row] for row in rows]
     numeric = [bool(body) and all(_is_number(row[i]) for row in body) for i in range(len(columns))]
-    widths = _widths(columns, body, numeric, wraps)
+    widths = _widths(columns, body, numeric)
     console().print(title, style="bold", markup=False)
     if widths is None:
-        _print_records(columns, body, numeric)
+        _print_records(columns, body)
     else:
         _print_columns(columns, body, numeric, widths)
 
 
 def _widths(
-    columns: Sequence[str], body: Sequence[Sequence[str]], numeric: Sequence[bool], wraps: str
+    columns: Sequence[str], body: Sequence[Sequence[str]], numeric: Sequence[bool]
 ) -> list[int] | None:
     """Columns of the terminal for each of the table's; ``None`` if they do not fit."""
     from rich.cells import cell_len
 
-    widths = [
-        max(cell_len(text) for text in (column, *(row[i] for row in body)))
-        for i, column in enumerate(columns)
-    ]
-    excess = sum(widths) + BETWEEN * len(columns) - console().width
-    texts = [i for i in reversed(range(len(columns))) if not numeric[i]]
-    for i in sorted(texts, key=lambda i: columns[i] != wraps):
-        spared = min(max(excess, 0), max(widths[i] - NARROWEST, 0))
-        widths[i] -= spared
-        excess -= spared
-    return widths if excess <= 0 else None
+    room = console().width - BETWEEN * len(columns)
+    cells = [dict.fromkeys([column, *(row[i] for row in body)]) for i, column in enumerate(columns)]
+    widest = [max(map(cell_len, texts)) for texts in cells]
+    for lines in range(1, MOST_LINES + 1):
+        widths = [
+            width if numeric[i] else min(width, _width_for(cells[i], lines))
+            for i, width in enumerate(widest)
+        ]
+        spare = room - sum(widths)
+        if spare >= 0:
+            for i, width in enumerate(widest):
+                more = min(width - widths[i], spare)
+                widths[i] += more
+                spare -= more
+            return widths
+    return None
+
+
+def _width_for(texts: Iterable[str], lines: int) -> int:
+    """The least width at which each text takes no more than so many lines, no word broken."""
+    from rich.cells import cell_len
+
+    width = NARROWEST
+    for text in texts:
+        words = [cell_len(word) for word in text.split()]
+        width = max([width, *words])
+        while _lines(words, width) > lines:
+            width += 1
+    return width
+
+
+def _lines(words: Sequence[int], width: int) -> int:
+    """The lines that words of those lengths take."""
+    lines, used = 1, 0
+    for length in words:
+        if used and used + 1 + length > width:
+            lines, used = lines + 1, 0
+        used += length + (1 if used else 0)
+    return lines
 
 
 def _print_columns(
@@ -153,17 +182,27 @@ def _print_columns(
     console().print(raw)
 
 
-def _print_records(
-    columns: Sequence[str], body: Sequence[Sequence[str]], numeric: Sequence[bool]
-) -> None:
-    """One row below another, a line for each of its values, the numbers first."""
-    order = sorted(range(len(columns)), key=lambda i: (i > 0 and not numeric[i], i))
-    for row in body:
-        say()
-        for i in order:
-            if row[i]:
-                say(f"{columns[i]}: {row[i]}")
+def _print_records(columns: Sequence[str], body: Sequence[Sequence[str]]) -> None:
+    """One row below another: its values in their order, as many in a line as fit."""
+    from rich.cells import cell_len
+
+    width = console().width
     say()
+    for row in body:
+        line = ""
+        for column, value in zip(columns, row, strict=True):
+            told = f"{column}: {value}"
+            if not value:
+                continue
+            if line.strip() and cell_len(line) + BETWEEN + cell_len(told) > width:
+                say(line)
+                line = INDENT
+            line += (" " * BETWEEN if line.strip() else "") + told
+            while cell_len(line) > width and (end := line.rfind(" ", len(INDENT) + 1, width)) > 0:
+                say(line[:end])
+                line = 2 * INDENT + line[end:].lstrip()
+        say(line)
+        say()
 
 
 def number(value: float | None, digits: int = 6) -> str:

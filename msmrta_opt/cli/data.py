@@ -35,7 +35,6 @@ def show_data(data: StageData) -> None:
             )
             for item in fields
         ],
-        wraps="meaning",
     )
     for item in fields:
         _show_array(data, item, values[item.name])

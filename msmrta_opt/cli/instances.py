@@ -48,5 +48,4 @@ def instances(json: Json = None) -> None:
             )
             for record in records
         ],
-        wraps="description",
     )

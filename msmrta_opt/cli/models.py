@@ -86,7 +86,6 @@ def models(
         "Formulations",
         [*columns, *(("variables", "rows") if mission else ())],
         rows,
-        wraps="what it is",
     )
     for item in found:
         if item.formulation is None:
@@ -97,8 +96,11 @@ def _about(item: Listing) -> tuple[str, str, str, str]:
     if item.formulation is None:
         return item.name, "–", f"broken: {item.error}", ""
     spec = item.formulation.spec
-    ranges = (f"{name} in [{p.low:g}, {p.high:g}]" for name, p in spec.parameters.items())
-    return item.name, spec.stage, spec.title, ", ".join(ranges)
+    ranges: dict[str, list[str]] = {}
+    for name, p in spec.parameters.items():
+        ranges.setdefault(f"[{p.low:g},{p.high:g}]", []).append(name)
+    said = "; ".join(f"{', '.join(names)} in {span}" for span, names in ranges.items())
+    return item.name, spec.stage, spec.title, said
 
 
 def _record(item: Listing) -> dict[str, Any]:

@@ -145,7 +145,7 @@ def _show_segments(result: Tradeoff, rows: list[dict[str, object]]) -> None:
 
     columns = list(rows[0])
     title = f"{result.model} over {result.over}: {len(rows)} pieces, {result.sense}"
-    table(title, columns, [tuple(row.values()) for row in rows], wraps="robots take")
+    table(title, columns, [tuple(row.values()) for row in rows])
     for t, assignments in result.ties.items():
         more = " or more" if t in result.more_ties else ""
         say(f"At {result.over} = {_short(t)}, {len(assignments)}{more} assignments are optimal:")

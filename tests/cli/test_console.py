@@ -51,17 +51,34 @@ def test_the_lines_of_a_table_fit(monkeypatch: pytest.MonkeyPatch, width: int) -
     assert max(map(len, printed(monkeypatch, width).splitlines())) <= width
 
 
-def test_where_columns_do_not_fit_the_numbers_of_each_row_stand_right_below_its_name(
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_name_is_broken_at_any_width(monkeypatch: pytest.MonkeyPatch, width: int) -> None:
+    words = printed(monkeypatch, width).split()
+    assert {"cluster_one_to_one", "a_long_name_of_one's_own_model"} <= set(words)
+
+
+def test_where_columns_do_not_fit_the_values_of_each_row_stand_together_its_name_first(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    lines = printed(monkeypatch, 60).split("\n\n")[1].splitlines()
-    assert lines == [
-        "formulation: cluster_one_to_one",
-        "objective: 6.25",
-        "bound: 6.25",
-        "gap: 0",
-        "seconds: 0.0123456",
-        "solver: auto",
-        "status: optimal",
-        "proof: simplex, dual values",
+    assert printed(monkeypatch, 60).split("\n\n")[1].splitlines() == [
+        "formulation: cluster_one_to_one   solver: auto",
+        "  objective: 6.25   bound: 6.25   gap: 0   status: optimal",
+        "  seconds: 0.0123456   proof: simplex, dual values",
     ]
+
+
+def test_texts_share_the_width_so_that_no_row_takes_more_lines_than_it_must(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = StringIO()
+    narrow = Console(file=text, width=40, highlight=False)
+    monkeypatch.setattr(console, "console", lambda: narrow)
+    # 40 columns less 3 a column leave 31, of which "row" takes 3: in one line the others need 41, in two
+    # 14 and 12.
+    console.table(
+        "T", ["n", "what", "why"], [("row", "aaaa bbbb cccc dddd eeee", "ff gg hh ii jj kk")]
+    )
+    lines = [line.rstrip() for line in text.getvalue().splitlines() if line.strip()]
+    assert [line.split() for line in lines[3:]] == [
+        ["row", "aaaa", "bbbb", "cccc", "ff", "gg", "hh", "ii"], ["dddd", "eeee", "jj", "kk"],
+    ]  # fmt: skip

@@ -37,7 +37,7 @@ def test_models_lists_every_formulation_and_says_what_is_broken(
     told = capsys.readouterr().out
     for item in registry.listings():
         assert line_of(told, item.name)
-    assert "psi in [0, 1]" in line_of(told, "cluster_one_to_one")
+    assert "psi in [0,1]" in line_of(told, "cluster_one_to_one")
     assert "broken: " in told
     assert "No module named 'nothing_of_that_name'" in told
 
