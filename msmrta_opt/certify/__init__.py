@@ -6,7 +6,8 @@ Nothing of the planners is imported, no solver and no scipy. To read, in this or
   whether it is for the mission at hand, `availability` what no robot can serve;
 - `run` checks a run of a plan, by `run_facts`, who was where and knew what: `run_world` what it met
   against the scenario, `run_orders` whether robots did what they were told, `run_events` what is told of
-  it, `run_reasons` why robots wait, wander or leave out, `run_figures` what it came to;
+  it, `run_reasons` why robots wait, wander or leave out, `run_limits` whether they keep to those of the
+  plan, `run_figures` what it came to;
 - `cluster_weights` works out Eq. 1 again; `certificates` checks what its certificates claim, by
   `joint_problem`, the problem worked out again in exact numbers,
   `linear_relaxation`, what dual values prove about total time and makespan,

@@ -20,6 +20,7 @@ from .plan import problems as problems_of_plan
 from .run_events import problems as problems_of_events
 from .run_facts import CLOSE, Facts
 from .run_figures import figures
+from .run_limits import problems as problems_of_limits
 from .run_orders import blocked_from, orders_of, said_of, stopped_at, told
 from .run_reasons import problems as problems_of_reasons
 from .run_world import problems as problems_of_world
@@ -54,7 +55,7 @@ def problems_of_execution(run: Run) -> list[str]:
         *problems_of_events(check),
         *_figures(run),
     ]
-    return wrong or list(problems_of_reasons(check))
+    return wrong or [*problems_of_reasons(check), *problems_of_limits(check)]
 
 
 def check_run(run: Run) -> Run:

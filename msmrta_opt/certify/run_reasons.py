@@ -13,7 +13,7 @@ from .run_facts import Facts
 from .run_orders import blocked_from, visits_for_nothing
 
 BLOCKED = ("wait", "skip", "detour")
-NEWS = ("lost", "noticed", "announced", "found")
+NEWS = ("lost", "noticed", "announced", "found", "skipped")
 """Events that are followed by a decision."""
 
 

@@ -34,6 +34,8 @@ class Body:
     """Which of the visit's kinds is being served."""
     began: float = 0.0
     """When serving that kind began."""
+    served_for: float = 0.0
+    """How long it has served until now."""
     ends: list[float] = field(default_factory=list)
     """When serving each of the visit's kinds ends."""
     until: float | None = None

@@ -42,8 +42,7 @@ def execute(
     Raises
     ------
     InputError
-        If the scenario does not fit the mission, the policy or an option is unknown or out of range,
-        or the plan keeps to limits of which the policy knows nothing.
+        If the scenario does not fit the mission, or the policy or an option is unknown or out of range.
     CheckError
         If the plan does not hold; or if the run fails its independent check, which would be a defect
         of the simulation.
@@ -62,12 +61,6 @@ def execute_checked(
         raise InputError(f"{seed!r}; give a whole number, 0 or more", field="seed")
     scenario.check_for(plan.instance)
     chosen, values = policy_of(policy, options)
-    limits = [name for name, limit in plan.limits.items() if limit is not False]
-    if limits and not chosen.heeds_limits:
-        raise InputError(
-            f"{policy!r} knows nothing of {', '.join(limits)}, which the plan keeps to; give keep",
-            field="policy",
-        )
     world = draw_world(plan, scenario, seed)
     decide = chosen.begin(Situated(plan, values, seed))
     simulation = Simulation(plan, scenario, world, decide, values["blocked"])

@@ -89,6 +89,7 @@ class Simulation:
         self.horizon = math.inf if scenario.until is None else scenario.until
         self.at_a_time = {(table.robot, table.time) for table in scenario.lost}
         self.news: list[Event] = []
+        self.left_out: set[tuple[int, int | None, int]] = set()
         self.services: list[Service] = []
         self.events: list[Event] = []
         self.decisions: list[Decision] = []
@@ -110,9 +111,10 @@ class Simulation:
             self._finish(now)
             if self.news:
                 self._decide(now)
-            for body in self.bodies:
-                if body.until is None and not body.lost:
-                    self._begin(body, now)
+            self._begin_all(now)
+            while self.news:  # visits that are left out
+                self._decide(now)
+                self._begin_all(now)
             after = self._next()
         self._end(now if math.isinf(self.horizon) else self.horizon)
 
@@ -255,6 +257,7 @@ class Simulation:
     def _serve(self, body: Body, kind: str, now: float, *, done: bool) -> None:
         assert body.task is not None
         assert body.task.victim is not None
+        body.served_for += now - body.began
         self.services.append(
             Service(
                 robot=body.robot.id,
@@ -265,6 +268,11 @@ class Simulation:
                 done=done,
             )
         )
+
+    def _begin_all(self, now: float) -> None:
+        for body in self.bodies:
+            if body.until is None and not body.lost:
+                self._begin(body, now)
 
     def _begin(self, body: Body, now: float) -> None:
         """Let a robot that is free do what is next."""
@@ -303,7 +311,11 @@ class Simulation:
             body.stuck = self.version
             return
         if body.task is not None and body.task.victim is not None:
-            self._tell(now, "skipped", robot=body.robot.id, victim=body.task.victim)
+            event = self._tell(now, "skipped", robot=body.robot.id, victim=body.task.victim)
+            once = (body.robot.id, body.task.victim, self.version)
+            if once not in self.left_out:  # who is told so again leaves it out again
+                self.left_out.add(once)
+                self.news.append(event)
         body.task, body.leg = None, None
 
     def _begin_visit(self, body: Body, task: Task, victim: int, now: float) -> None:
@@ -391,14 +403,17 @@ class Simulation:
 
     def _state_of(self, body: Body, mission: Instance, now: float) -> RobotState:
         cell, free_at = body.cell, now
+        busy, walked = body.served_for, len(body.cells) - 1
         if body.into is not None and body.until is not None:
-            cell, free_at = body.into, body.until
+            cell, free_at, walked = body.into, body.until, walked + 1
         elif body.is_serving and body.task is not None:
             victim = self.victims[body.task.victim or 0]
             times = mission.service_time | victim.service_time
             rest = sum(times[kind] for kind in body.task.served[body.kind or 0 :])
             free_at = max(now, body.began + rest)
-        return RobotState(body.robot.id, cell, free_at, body.ahead())
+            busy += free_at - body.began
+        busy += walked / body.speed
+        return RobotState(body.robot.id, cell, free_at, body.ahead(), busy, walked)
 
     def _apply(self, answer: Queues) -> None:
         for ident, tasks in answer.items():

@@ -33,13 +33,16 @@ class RobotState:
     """A robot that is not lost: where and when it is free next, and what it is to do then.
 
     A move or a visit that is under way is committed: `cell` and `free_at` are those of its end, at
-    the mission's speeds and service times. `queue` is without it.
+    the mission's speeds and service times. `queue` is without it. By then it has moved and served for
+    `busy` time units, and walked so many cells.
     """
 
     robot: int
     cell: Cell
     free_at: float
     queue: tuple[Task, ...]
+    busy: float = 0.0
+    walked: int = 0
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,15 @@ class State:
     robots: tuple[RobotState, ...]
     open: Mapping[int, tuple[str, ...]]
     news: tuple[Event, ...]
+
+    @property
+    def left_out(self) -> set[tuple[int, int]]:
+        """Robots and victims, where a visit has just been left out."""
+        return {
+            (event.robot, event.victim)
+            for event in self.news
+            if event.what == "skipped" and event.robot is not None and event.victim is not None
+        }
 
     def victim(self, ident: int) -> Victim:
         """The known victim of that id."""
@@ -92,8 +104,6 @@ class Policy:
         Its options; ``blocked`` is every policy's.
     check : function of options, optional
         Raises `InputError` for values that are wrong, before anything happens.
-    heeds_limits : bool
-        Whether it can be asked to execute a plan that limits robots' whole routes.
     """
 
     name: str
@@ -101,4 +111,3 @@ class Policy:
     begin: Callable[[Situated], Decide]
     defaults: Mapping[str, Any] = field(default_factory=dict)
     check: Callable[[Mapping[str, Any]], object] | None = None
-    heeds_limits: bool = False

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ..arrays import Bools
+from ..arrays import Bools, Floats
+from ..mission.grid import Cell
 from ..mission.plan import LIMITS, Reason
 from ..routing.problem import RoutingData
 from .options import StagedOptions
@@ -20,9 +22,10 @@ ROUNDING = 1e-9
 def routing_data(
     situation: Situation,
     *,
-    endurance: float | None = None,
-    longest_walk: float | None = None,
+    endurance: float | Floats | None = None,
+    longest_walk: float | Floats | None = None,
     return_to_start: bool = False,
+    homes: Sequence[Cell] | None = None,
 ) -> RoutingData:
     """The joint problem of the known victims.
 
@@ -33,12 +36,14 @@ def routing_data(
     ----------
     situation : Situation
         Who can serve what, and the distances.
-    endurance : float, optional
-        Maximum time that a robot may be busy, its way back included.
-    longest_walk : float, optional
+    endurance : float or array, optional
+        Maximum time that a robot may be busy, its way back included; for all, or ``(n_robots,)``.
+    longest_walk : float or array, optional
         Maximum number of cells that a robot may walk, its way back included.
     return_to_start : bool
         Whether robots walk back after their last visit.
+    homes : sequence of cells, optional
+        Where each robot walks back to, if that is not its start.
     """
     instance, distances = situation.instance, situation.distances
     speed = instance.speed
@@ -47,7 +52,10 @@ def routing_data(
     )
     between = distances.between(instance.cells, instance.cells)
     between[np.isinf(between)] = 0.0
-    back = leave if return_to_start else np.zeros_like(leave)
+    back = np.zeros_like(leave)
+    if return_to_start:
+        back = leave if homes is None else distances.between(homes, instance.cells) / speed[:, None]
+        back = np.where(np.isinf(back), 0.0, back)
     # Rounding does not break a limit.
     endurance, longest_walk = (
         np.inf if limit is None else limit * (1.0 + ROUNDING) for limit in (endurance, longest_walk)

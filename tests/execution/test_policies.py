@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import replace
 from typing import Any
 
@@ -11,11 +12,12 @@ from support import executions
 from support.amounts import sample
 from support.joint_oracle import least
 
+from msmrta_opt.certify.run import problems
 from msmrta_opt.execution.execute import execute
 from msmrta_opt.execution.policies import replan
 from msmrta_opt.execution.replanning import Remaining
-from msmrta_opt.execution.state import State
-from msmrta_opt.mission.errors import InputError
+from msmrta_opt.execution.state import Situated, State
+from msmrta_opt.mission.errors import InputError, NoPlanError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.optimise.solve import solve
@@ -67,11 +69,113 @@ def test_a_victim_that_turns_up_is_served_by_who_is_near(street: Plan, policy: s
     assert (run.metrics.replans, run.metrics.changed_visits) == (1, 0)
 
 
+def limited(street: Plan, **limits: Any) -> Plan:
+    return make_plan(street.instance, planner="exact", time_limit=0, **limits)
+
+
 @pytest.mark.parametrize("policy", ["repair", "replan"])
-def test_policies_that_decide_refuse_a_plan_with_limits(street: Plan, policy: str) -> None:
-    limited = make_plan(street.instance, planner="exact", return_to_start=True, time_limit=1)
-    with pytest.raises(InputError, match=f"^policy: '{policy}' knows nothing of return_to_start"):
-        execute(limited, policy=policy)
+@pytest.mark.parametrize(
+    ("limits", "served", "done"),
+    [
+        # Robot 2 is done with victim 8 at 11; victim 7 takes it 6 cells and 10 more, to 27 and cell 1.
+        ({"endurance": 27.0}, 2, {1: 0, 2: 1}),
+        ({"endurance": 26.5}, 1, {1: 0, 2: 7}),
+        ({"longest_walk": 7}, 2, {1: 0, 2: 1}),
+        ({"longest_walk": 6}, 1, {1: 0, 2: 7}),
+        # And back: 7 cells to victim 7, and 7 home.
+        ({"return_to_start": True}, 2, {1: 0, 2: 8}),
+        ({"return_to_start": True, "longest_walk": 14}, 2, {1: 0, 2: 8}),
+        ({"return_to_start": True, "longest_walk": 13}, 1, {1: 0, 2: 8}),
+        ({"return_to_start": True, "endurance": 34.0}, 2, {1: 0, 2: 8}),
+        ({"return_to_start": True, "endurance": 33.0}, 1, {1: 0, 2: 8}),
+    ],
+)
+def test_what_a_lost_robot_leaves_is_done_within_the_limits_of_the_others(
+    street: Plan, policy: str, limits: dict[str, Any], served: int, done: dict[int, int]
+) -> None:
+    run = execute(limited(street, **limits), {"lost": [{"robot": 1, "time": 0.5}]}, policy)
+    assert run.metrics.n_served == served
+    assert {track.robot: track.cells[-1][1] for track in run.tracks} == done
+
+
+def test_a_robot_that_has_taken_longer_gives_up_what_no_longer_fits(street: Plan) -> None:
+    alone = street.instance.replace(robots=street.instance.robots[1:])
+    plan = make_plan(alone, planner="exact", time_limit=0, endurance=27.0)
+    # Victim 8 is served until 16, not 11: 11 of the endurance are left, and victim 7 needs 6 + 10.
+    news = {"id": 9, "cell": [0, 4], "requirements": [], "announced": 16.0}
+    slow = {"service": [{"value": 1.5}], "victims": [news]}
+    assert execute(plan, slow, "keep").metrics.n_served == 2
+    assert execute(plan, slow, "repair").metrics.n_served == 1
+
+
+@pytest.mark.parametrize("number", sample(range(600), quick=8))
+def test_no_decision_goes_beyond_the_limits_of_the_plan(number: int) -> None:
+    """The checker of runs says so, where what takes how long is known before."""
+    given = executions.mission(number)
+    free = make_plan(given, planner="ssi").metrics
+    chance = random.Random(f"limits {number}")
+    limits = {
+        "endurance": free.makespan * chance.uniform(0.8, 1.5),
+        "longest_walk": 1.0 + free.distance * chance.uniform(0.5, 1.0),
+        "return_to_start": True,
+    }
+    chosen = dict(chance.sample(list(limits.items()), chance.randint(1, 3)))
+    try:
+        plan = make_plan(given, planner="exact", time_limit=0, **chosen)
+    except NoPlanError:
+        return
+    scenario = executions.scenario(number, plan).model_copy(
+        update={"speed": (), "service": (), "corridors": (), "until": None}
+    )
+    for policy in ("repair", "replan"):
+        assert problems(execute(plan, scenario, policy, number)) == []
+
+
+@pytest.mark.parametrize("policy", ["repair", "replan"])
+@pytest.mark.parametrize(("blocked", "who"), [("wait", 1), ("skip", 2), ("detour", 2)])
+def test_a_policy_decides_as_robots_are_to_do_before_a_blocked_cell(
+    policy: str, blocked: str, who: int
+) -> None:
+    """A corridor, closed for a time between a robot and its victim; a slow robot is behind that."""
+    mission = {
+        "map": {"rows": ["......."]},
+        "capabilities": ["Aid"],
+        "service_time": {"Aid": 10.0},
+        "robots": [
+            {"id": 1, "start": [0, 0], "speed": 1.0, "capabilities": ["Aid"]},
+            {"id": 2, "start": [0, 6], "speed": 0.1, "capabilities": ["Aid"]},
+        ],
+        "victims": [{"id": 7, "cell": [0, 3], "requirements": ["Aid"]}],
+    }
+    plan = make_plan(Instance.from_document(mission), planner="exact", time_limit=0)
+    closed = {"corridors": [{"cells": [[0, 2]], "blocked": 0.5, "opened": 100.0}]}
+    run = execute(plan, closed, policy, blocked=blocked)
+    assert [service.robot for service in run.services] == [who]
+    # Robot 1 stands in cell 1 from 1 to 100; or robot 2 sets out at 1, when that is known.
+    assert run.metrics.stood_still == (99.0 if who == 1 else 1.0)
+
+
+def test_a_robot_does_not_go_back_to_what_it_has_left_out() -> None:
+    """There is a way round, which `skip` does not take, and nobody else."""
+    mission = {
+        "map": {"rows": [".....", "....."]},
+        "capabilities": ["Aid"],
+        "service_time": {"Aid": 1.0},
+        "robots": [{"id": 1, "start": [0, 0], "speed": 1.0, "capabilities": ["Aid"]}],
+        "victims": [{"id": 7, "cell": [0, 4], "requirements": ["Aid"]}],
+    }
+    plan = make_plan(Instance.from_document(mission), planner="ssi")
+    route = [cell[0] for cell in plan.routes[0].cells]
+    closed = {
+        "corridors": [{"cells": [[route[2], 2]], "blocked": 0.5}],
+        "victims": [{"id": 8, "cell": [1, 0], "requirements": ["Aid"], "announced": 2.5}],
+    }
+    served = {
+        blocked: [s.victim for s in execute(plan, closed, "repair", blocked=blocked).services]
+        for blocked in ("skip", "detour")
+    }
+    assert served["skip"] == [8]
+    assert sorted(served["detour"]) == [7, 8]
 
 
 @pytest.mark.parametrize(
@@ -104,7 +208,7 @@ def remaining(number: int) -> Remaining:
     given = Scenario.from_document({**scenario, "victims": [hidden]})
     world = draw_world(plan, given, 0)
     Simulation(plan, given, world, lambda state: states.append(state), "detour").run()  # type: ignore[func-returns-value]
-    found = Remaining.of(states[0])
+    found = Remaining.of(states[0], Situated(plan, {"blocked": "detour"}, 0))
     assert found is not None
     return found
 

@@ -16,4 +16,4 @@ def _keep(state: State) -> Queues | None:
     return None
 
 
-POLICY = Policy("keep", "the plan as it is", begin, heeds_limits=True)
+POLICY = Policy("keep", "the plan as it is", begin)

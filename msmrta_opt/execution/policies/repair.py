@@ -8,13 +8,14 @@ from ..state import Decide, Policy, Queues, Situated, State
 
 def begin(situated: Situated) -> Decide:
     """Visits of lost robots, victims that turn up, and visits that robots cannot make any more."""
-    del situated
-    return _repair
+    left_out: set[tuple[int, int]] = set()
 
+    def repair(state: State) -> Queues | None:
+        left_out.update(state.left_out)
+        remaining = Remaining.of(state, situated, left_out)
+        return None if remaining is None else remaining.queues(remaining.repaired())
 
-def _repair(state: State) -> Queues | None:
-    remaining = Remaining.of(state)
-    return None if remaining is None else remaining.queues(remaining.repaired())
+    return repair
 
 
 POLICY = Policy("repair", "what nobody does is inserted where it costs least", begin)

@@ -32,9 +32,11 @@ ITERATIONS = 20_000
 def begin(situated: Situated) -> Decide:
     """Whenever there is news, all visits that are to come are planned anew."""
     options = situated.options
+    left_out: set[tuple[int, int]] = set()
 
     def replan(state: State) -> Queues | None:
-        remaining = Remaining.of(state)
+        left_out.update(state.left_out)
+        remaining = Remaining.of(state, situated, left_out)
         if remaining is None:
             return None
         kept = remaining.repaired()
@@ -70,7 +72,7 @@ def candidates(remaining: Remaining, options: Mapping[str, Any], seed: int) -> l
         return found
     if not faults(data, planned):
         found.append(planned)
-    if not chosen.improves_itself:
+    if not chosen.improves_itself or len(found) == 1:  # or its plan goes beyond robots' limits
         found += [
             ruin_and_recreate(
                 data,
@@ -87,7 +89,8 @@ def candidates(remaining: Remaining, options: Mapping[str, Any], seed: int) -> l
         for v, _ in route:
             old[v] = -1 if v in old else r
     old = {v: r for v, r in old.items() if r >= 0}
-    return [*found, *(step for routes in found[1:] for step in towards(data, routes, old))]
+    steps = (step for routes in found[1:] for step in towards(data, routes, old))
+    return [*found, *(step for step in steps if not faults(data, step))]
 
 
 def _by_model(remaining: Remaining, options: Mapping[str, Any], kept: Routes) -> Routes:
