@@ -5,14 +5,15 @@ is held against the mission: the file may state whatever the edge formulation of
 implies, and nothing else. All of it is written out anew from the mission; of the file, a constraint's
 name says which one it claims to be.
 
-Times are in units of their greatest common divisor, so that the objective is an integer: travel for
-total time (service is a constant of every plan), T for the makespan. Names are words with colons:
+Times of rows are in units of their greatest common divisor, and so is T; the objective is the plan's, in
+time units, all service being the cost of a variable that is 1. Names are words with colons:
 
 ==========================  ==================================================================
 ``y:R:V`` ``f:R:V``         robot R visits victim V; V is the first, ``l:R:V`` the last victim
 ``e:R:V:W`` ``a:R:V:KIND``  R walks between V and W, V < W; R serves a kind at V
 ``T``                       the makespan
-``low:NAME`` ``upp:NAME``   a variable is at least 0, at most 1 (not T)
+``service``                 the variable that is 1, where the objective is total time
+``low:NAME`` ``upp:NAME``   a variable is at least 0, at most 1 (not T); ``fix:service``: it is 1
 ``KIND_OF_ROW:R:…``         a row of `mission.proof`, by what it is about
 ``subtour:R:V:S``           a cut of robot R, victim V and the victims S, with commas between
 ``first:R:S``               ``outside`` and ``last`` alike
@@ -43,6 +44,7 @@ from .verdict import Verdict
 _CUT = re.compile(
     r"(first|last):(\d{1,18})():([\d,]*)|(subtour|outside):(\d{1,18}):(\d{1,18}):([\d,]*)"
 )
+SERVICE: Column = ("service",)
 _OF_TIMES = ("walk", "endurance", "makespan")
 
 
@@ -80,7 +82,7 @@ def check_joint_proof(path: str | Path, plan: Plan) -> Verdict:
     if found.infeasible or found.lower is None:
         claim = "that there is no plan, and there is this one" if found.infeasible else "no bound"
         raise CheckError(f"{path}: it claims {claim}")
-    bound = stated.joint.offset(stated.objective) + stated.unit * found.lower
+    bound = Fraction(found.lower)
     if bound > value:
         raise CheckError(
             f"{path}: it claims that no plan has a {stated.objective} below {figure(bound)}, and this "
@@ -106,6 +108,8 @@ class _Statement:
         self.n_cuts = 0
         cost, rows = first_rows(joint, self.objective, lambda *key: (_word(*key), Fraction(0)))
         place = {name: j for j, name in enumerate(found.names)}
+        if offset := joint.offset(self.objective):
+            cost = {**cost, SERVICE: offset}
         columns = {_word(*column): column for column in cost}
         if place.keys() != columns.keys() or len(place) < len(found.names):
             other = sorted(place.keys() ^ columns.keys()) or sorted(found.names)
@@ -113,6 +117,9 @@ class _Statement:
         self.place = {column: place[name] for name, column in columns.items()}
         self._known: dict[str, Row] = {row.name: self._in_units(row) for row in rows}
         for name, column in columns.items():
+            if column == SERVICE:
+                self._known[f"fix:{name}"] = Row("", {column: 1}, 1, 1, Fraction(0))
+                continue
             self._known[f"low:{name}"] = Row("", {column: 1}, 0, None, Fraction(0))
             if column != MAKESPAN:
                 self._known[f"upp:{name}"] = Row("", {column: 1}, None, 1, Fraction(0))
@@ -143,8 +150,8 @@ class _Statement:
         self, found: vipr.Certificate, cost: dict[Column, Fraction | int]
     ) -> None:
         last = found.labels[0][0] if found.labels else 1
-        unit = 1 if self.objective == "makespan" else self.unit
-        own = {self.place[column]: Fraction(c) / unit for column, c in cost.items() if c}
+        unit = self.unit if self.objective == "makespan" else 1
+        own = {self.place[column]: Fraction(c) * unit for column, c in cost.items() if c}
         stated = {j: Fraction(a, found.objective_under) for j, a in found.objective.items()}
         if not found.minimise or stated != own:
             raise vipr.RefusedError(last, f"before it, the objective is not the {self.objective}")

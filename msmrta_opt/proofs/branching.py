@@ -26,7 +26,7 @@ from .exact import ExactProgram
 from .multipliers import Bounds
 from .pseudo_costs import PseudoCosts, product
 from .relaxation import Relaxation, Relaxed
-from .tree import FOUND, Limits, Node
+from .tree import FOUND, Limits, Node, leaves
 
 CANDIDATES = 24
 """Columns that are tried at a node at most; so many in a row without a better one end the trials."""
@@ -107,6 +107,34 @@ class Search:
     def open_nodes(self) -> list[Node]:
         """The nodes that are neither leaves nor branched."""
         return [node for _, _, node in sorted(self._open, key=lambda item: item[:2])]
+
+    def shallowest(self, value: float) -> list[Node]:
+        """Cut the tree off where relaxations are worth `value` or more; the nodes that are to be closed.
+
+        Nodes that are leaves by a derivation stay so, except those of `unproved`.
+        """
+        for node in self.unproved:
+            node.leaf = None
+        self.unproved, self._open = [], []
+        found: list[Node] = []
+        waiting = [self.root]
+        while waiting:
+            node = waiting.pop()
+            if node.leaf is not None:
+                continue
+            if node.low is None or node.high is None or node.estimate >= value:
+                if node.basis is None and node.low is not None:
+                    node.basis = node.low.basis
+                node.low = node.high = None
+                found.append(node)
+            else:
+                waiting += [node.high, node.low]
+        return found
+
+    def bound(self) -> float:
+        """What the relaxations of the nodes prove that are neither leaves nor branched."""
+        open_nodes = [node for node in leaves(self.root) if node.leaf is None]
+        return min((node.estimate for node in [*self.unproved, *open_nodes]), default=math.inf)
 
     def close(self, node: Node, limits: Limits) -> bool:
         """Make an open node a leaf with the bound that its relaxation proves; whether that worked."""

@@ -19,6 +19,20 @@ from .tree import Node
 
 
 @dataclass(frozen=True)
+class Cutoff:
+    """An assumption that integer terms are less than a goal, to which the tree is a contradiction."""
+
+    at: int
+    """Reference of the lemma that assumes ``Σ terms ≤ goal - 1``."""
+    goal: int
+    terms: tuple[tuple[int, Rational], ...]
+    unit: Rational
+    """What 1 of the terms is worth in the objective."""
+    besides: tuple[tuple[int, Rational], ...] = ()
+    """What else the objective is made of: equations of the program, and their multipliers."""
+
+
+@dataclass(frozen=True)
 class Claim:
     """What a certificate says: of a minimisation, in the program's own sense when it is written."""
 
@@ -30,9 +44,8 @@ class Claim:
     value: Fraction | None = None
     """Of the solution."""
     point: Sequence[Rational] | None = None
-    assumption: int | None = None
-    """Reference of a lemma that assumes the objective, an integer, to be at most ``bound - 1``: the tree
-    is then a contradiction to it, and the bound follows."""
+    cutoff: Cutoff | None = None
+    """What the tree is a contradiction to, if it is one."""
 
 
 def write(
@@ -62,7 +75,8 @@ def _program(program: ExactProgram) -> Iterator[str]:
     yield from (f"{name}\n" for name in program.names)
     whole = [str(j) for j, integer in enumerate(program.integer) if integer]
     yield f"INT {len(whole)}\n{' '.join(whole)}\n"
-    terms = [f"{j} {number(program.sign * c)}" for j, c in enumerate(program.cost) if c]
+    stated = program.cost if program.objective is None else program.objective
+    terms = [f"{j} {number(program.sign * c)}" for j, c in enumerate(stated) if c]
     yield f"OBJ {'min' if program.sign > 0 else 'max'}\n{len(terms)} {' '.join(terms)}\n"
     yield f"CON {len(program.stated)} {program.n_bounds}\n"
     yield from (f"{constraint(item)}\n" for item in program.stated)
@@ -114,13 +128,13 @@ class _Derivations:
         self.sizes: dict[Node, int] = {}
         """How many derivations the tree below a node takes."""
         references = self._measure()
-        if claim.assumption is not None:
-            references.add(claim.assumption)
+        if claim.cutoff is not None:
+            references.add(claim.cutoff.at)
         self.needed = lemmas.needed(references | (grid.references if grid else set()))
         first = len(program.stated)
         self.place = {LEMMA + k: first + i for i, k in enumerate(self.needed)}
         self.next = first
-        if claim.infeasible or claim.assumption is not None:
+        if claim.infeasible or claim.cutoff is not None:
             self.goal = "G 1 0"
         else:
             assert claim.bound is not None
@@ -130,21 +144,18 @@ class _Derivations:
     def write(self) -> int:
         """Write them all; how many they are."""
         on_grid = self.grid is not None and not self.claim.infeasible
-        assumed = self.claim.assumption
-        more = 2 * (on_grid or assumed is not None)
+        cutoff = self.claim.cutoff
+        more = 2 * on_grid + 3 * (cutoff is not None)
         total = len(self.needed) + self.sizes[self.root] + more
         self.file.write(f"DER {total}\n".encode())
         for position in self.needed:
             self._lemma(position)
         end = self.next + self.sizes[self.root]
-        self._tree(last_use=(end + 1 if assumed is not None else end) if more else -1)
+        self._tree(last_use=(end + 1 if cutoff is not None else end) if more else -1)
         if on_grid:
             self._grid()
-        elif assumed is not None:
-            bound = f"G {number(self.claim.bound or 0)} OBJ"
-            self._put(f"{bound} {{ asm }}", end + 1)
-            reason = f"uns {end - 1} {self.place[assumed]} {end} {end}"
-            self._put(f"{bound} {{ {reason} }}", -1)
+        elif cutoff is not None:
+            self._not_below(cutoff)
         return total
 
     def _measure(self) -> set[int]:
@@ -236,6 +247,16 @@ class _Derivations:
         reason = self._combination([(index, sign * grid.step), *rest])
         bound = number(sign * claim.proved)
         self._put(f"{'G' if sign > 0 else 'L'} {bound} OBJ {{ lin {reason} }}", -1)
+
+    def _not_below(self, cutoff: Cutoff) -> None:
+        """From the tree, a contradiction to the cutoff, to the bound on the objective."""
+        tree, assumed = self.next - 1, self.place[cutoff.at]
+        terms = "".join(f" {j} {number(a)}" for j, a in cutoff.terms)
+        stated = f"G {cutoff.goal} {len(cutoff.terms)}{terms}"
+        other = self._put(f"{stated} {{ asm }}", self.next + 1)
+        index = self._put(f"{stated} {{ uns {tree} {assumed} {other} {other} }}", self.next + 1)
+        reason = self._combination([(index, cutoff.unit), *cutoff.besides])
+        self._put(f"G {number(self.claim.proved or 0)} OBJ {{ lin {reason} }}", -1)
 
     def _combination(self, uses: Sequence[tuple[int, Rational]]) -> str:
         words = [f" {self.place.get(at, at)} {number(weight)}" for at, weight in uses]

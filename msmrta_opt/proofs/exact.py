@@ -81,6 +81,8 @@ class ExactProgram:
     n_bounds: int = 0
     row_of: list[int] = field(default_factory=list, repr=False)
     """For each of `rows`, the program's row."""
+    objective: list[Fraction] | None = None
+    """The cost as it is stated, if that is in other units and holds a constant."""
 
     @property
     def n_columns(self) -> int:

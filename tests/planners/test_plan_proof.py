@@ -123,35 +123,54 @@ def test_a_worse_plan_is_not_proved_and_that_it_is_called_optimal_is_contradicte
     assert "it claims that" in proof.contradiction
 
 
-def test_a_proof_that_is_stopped_says_how_far_it_got(tmp_path: Path) -> None:
+def test_a_proof_that_is_stopped_proves_the_bound_of_its_open_tree(tmp_path: Path) -> None:
     path = tmp_path / "proof.vipr"
-    proof = prove_plan(branched(), path=path, size_limit=1)
-    assert proof.status == "partial"
-    assert proof.remark == "size limit"
-    checked = check_joint_proof(path, branched())
-    assert 0 < checked.bound < checked.value
-    assert "no plan has a makespan below" in checked.summary
-    assert prove_plan(branched(), path=path, time_limit=0).remark == "time limit"
+    bounds = []
+    for size in (1, 5000):  # nothing but the root, then a part of the tree
+        proof = prove_plan(branched(), path=path, size_limit=size)
+        assert proof.status == "partial"
+        assert proof.remark == "size limit"
+        checked = check_joint_proof(path, branched())
+        assert "no plan has a makespan below" in checked.summary
+        assert checked.bound == proof.exact_bound
+        bounds.append(checked.bound)
+    assert 0 < bounds[0] < bounds[1] < least(problem_of(branched()), "makespan")
+    at_once = prove_plan(branched(), path=path, time_limit=0)
+    assert at_once.remark == "time limit"
+    assert check_joint_proof(path, branched()).bound == at_once.exact_bound
+
+
+def test_a_certificate_speaks_of_time_units(lines: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "proof.vipr"
+    path.write_text("\n".join(lines) + "\n")
+    assert verify(str(path)).claim == "minimum in [250, 250]"
+    made = optimum(0, "total_time")  # all service is a part of it
+    prove_plan(made, path=path)
+    assert verify(str(path)).lower == verify(str(path)).upper
+    assert float(verify(str(path)).best or 0) == pytest.approx(made.metrics.total_time)
 
 
 # What is tampered with.
 
 
 def test_a_claim_that_is_one_step_too_high_is_refused(lines: list[str], tmp_path: Path) -> None:
+    # At a speed of 2/5 a cell takes 5/2, which divides all service times: 250 are 100 steps.
     at = place(lines, lambda line: line.startswith("RTP range"))
-    low = int(lines[at].split()[2])
+    assert lines[at] == "RTP range 250 250"
     lines = [*lines]
-    lines[at] = f"RTP range {low + 1} {low + 1}"
+    lines[at] = "RTP range 505/2 505/2"
     assert "line" in refusal(lines, branched(), tmp_path)
-    lines[at] = f"RTP range {low + 1} inf"
+    lines[at] = "RTP range 505/2 inf"
     assert "line" in refusal(lines, branched(), tmp_path)
     # … also without the solution that contradicts it, and where all that follows is raised with it.
     start = place(lines, lambda line: line.startswith("SOL"))
     lines[start : start + 2] = ["SOL 0"]
-    raised = [line.replace(f" {low} OBJ", f" {low + 1} OBJ") for line in lines]
+    raised = [line.replace(" G 250 OBJ", " G 505/2 OBJ") for line in lines]
+    assert "by lin" in refusal(raised, branched(), tmp_path)
+    raised = [re.sub(r"^(d\d+) G 100 1", r"\1 G 101 1", line) for line in raised]
     assert "by uns" in refusal(raised, branched(), tmp_path)
     assumed = place(raised, lambda line: "{ asm }" in line)
-    raised[assumed] = raised[assumed].replace(f" L {low - 1} ", f" L {low} ", 1)
+    raised[assumed] = raised[assumed].replace(" L 99 ", " L 100 ", 1)
     assert re.match(r"line \d+: constraint \d+ by", refusal(raised, branched(), tmp_path))
 
 
@@ -237,8 +256,8 @@ def test_of_another_mission_no_proof_is_accepted_unless_it_is_true_of_it_too(
     robots = (own.instance.robots[0].model_copy(update=changes), *own.instance.robots[1:])
     other = own.instance.model_copy(update={"robots": robots})
     plan = Plan(instance=other, planner="exact", routes=own.routes)
-    # A slower robot makes nothing better; with a faster one the unit of time is smaller.
-    if "speed" not in changes:
+    # A slower robot makes nothing better, and times are still multiples of the same.
+    if changes != OTHERS["slower"]:
         with pytest.raises(CheckError, match=r"line \d+: "):
             check_joint_proof(path, plan)
     else:

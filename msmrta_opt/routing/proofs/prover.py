@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from fractions import Fraction
@@ -14,7 +15,7 @@ from ...interruption import interruptible
 from ...mission.files import write_with
 from ...mission.instance import Instance
 from ...proofs.branching import Search
-from ...proofs.certificate import Claim, write
+from ...proofs.certificate import Claim, Cutoff, write
 from ...proofs.derivation import Box, Spool
 from ...proofs.exact import Row
 from ...proofs.tree import INTERRUPTED, Limits, Node, leaves
@@ -28,6 +29,13 @@ from ..stop import Interruption, MaximumRuntime
 from .reduction import Reduction, reached, renumbered
 from .separating import CutoffBounds, SeparatingRelaxation
 from .statement import Statement
+
+CLOSING_SECONDS = 5.0
+CLOSING_SHARE = 0.1
+"""For making leaves of what a limit left open: so many seconds, or this share of the search's."""
+CLOSING_ATTEMPTS = 3
+SLACK = 1e-6
+"""Of a relaxation's value in units, within which it may be an integer."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +102,7 @@ class _Prover:
         limits: Limits,
     ) -> None:
         self.limits = limits
+        self.began = time.perf_counter()
         worth = objective.value(data, routes)
         self.formulation = EdgeFormulation.of(data, objective, worth)
         self.statement = Statement(self.formulation, instance)
@@ -154,10 +163,35 @@ class _Prover:
         self.nodes = search.n_nodes
         if not remark and search.unproved:
             remark = "floating-point relaxations are too coarse for it"
-        if remark:
+        if remark and not self._settled(search, reduction, duals):
             return remark, None, reduction
         _rename(search.root, columns)
-        return "", search.root, reduction
+        return remark, search.root, reduction
+
+    def _settled(self, search: Search, reduction: Reduction, duals: Floats) -> bool:
+        """Prove what the open nodes' relaxations do, by a lower goal; whether that exceeds the root's.
+
+        Where the time is not enough, by one that is nearer to the root's, which takes fewer leaves.
+        """
+        bound = search.bound()
+        if not math.isfinite(bound):
+            return False
+        least = reached(self.statement.program, duals)
+        goal = min(math.ceil(bound - SLACK), self.value)
+        seconds = max(CLOSING_SECONDS, CLOSING_SHARE * (time.perf_counter() - self.began))
+        assert isinstance(search.bounds, CutoffBounds)
+        try:
+            for _ in range(CLOSING_ATTEMPTS):
+                if goal <= least:
+                    break
+                search.bounds.goal = goal
+                if _closed(search, goal, Limits(time.perf_counter() + seconds)):
+                    reduction.lower(goal)
+                    return True
+                goal = (goal + least) // 2
+        except KeyboardInterrupt:
+            pass
+        return False
 
     def _search(self, reduction: Reduction) -> tuple[Search, list[int]]:
         columns = reduction.columns
@@ -197,9 +231,11 @@ class _Prover:
         root: Node,
         reduction: Reduction,
     ) -> Found:
-        statement, goal = self.statement, Fraction(reduction.goal)
+        statement, goal = self.statement, reduction.goal
+        terms = tuple((j, int(c)) for j, c in enumerate(statement.program.cost) if c)
+        cutoff = Cutoff(reduction.cutoff, goal, terms, statement.unit, statement.besides)
         claim = Claim(
-            False, goal, goal, Fraction(self.value), self.point, assumption=reduction.cutoff
+            False, None, statement.time(goal), statement.time(self.value), self.point, cutoff
         )
         n_derivations: list[int] = []
 
@@ -215,14 +251,23 @@ class _Prover:
         write_with(path, put)
         return Found(
             remark=remark,
-            better=None if self.better is None else self._time(statement.value(self.better)),
+            better=None if self.better is None else statement.time(statement.value(self.better)),
             nodes=self.nodes,
             leaves=sum(1 for _ in leaves(root)),
             derivations=n_derivations[0],
         )
 
-    def _time(self, value: int) -> Fraction:
-        return self.statement.offset + self.statement.unit * value
+
+def _closed(search: Search, goal: int, limits: Limits) -> bool:
+    """Make leaves of the nodes whose relaxations contradict less than `goal`; whether that is all."""
+    for node in search.shallowest(goal - 1 + SLACK):
+        if time.perf_counter() > limits.deadline:
+            return False
+        search.close(node, limits)
+        if node.leaf is None or node.leaf.value is not None:
+            node.leaf = None
+            return False
+    return True
 
 
 def _rename(root: Node, columns: list[int]) -> None:

@@ -13,14 +13,14 @@ the rows and the assumption itself are restricted to what is left.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 
 import numpy as np
 
 from ...arrays import Floats, Ints
-from ...proofs.derivation import Combination, Lemma, Lemmas, Side, Uses
+from ...proofs.derivation import LEMMA, Combination, Lemma, Lemmas, Side, Uses
 from ...proofs.exact import ExactProgram, Row
 from ..branch_and_cut.separation import Cut
 from .statement import Statement
@@ -79,6 +79,8 @@ class Reduction:
     """Reference of ``x ≤ 0`` by column."""
     cutoff: int = field(init=False)
     """Reference of the assumption that a plan is worth less."""
+    _restricted: int = -1
+    """Reference of the assumption without the columns that are 0."""
 
     def __post_init__(self) -> None:
         cost = self.statement.program.cost
@@ -183,12 +185,19 @@ class Reduction:
                     follow(start("e") + edge, pair, Cut(r, (i, j), vertex=there))
                     break
 
+    def lower(self, goal: int) -> None:
+        """Assume that a plan is worth less than a lower `goal`; all that is derived still holds."""
+        self.goal = goal
+        for place, item in enumerate(self.lemmas.items):
+            if item.rule == "asm" or LEMMA + place == self._restricted:
+                self.lemmas.items[place] = replace(item, side=goal - 1)
+
     # What is left.
 
     @property
     def columns(self) -> Ints:
         """The columns that are not known to be 0."""
-        n = self.statement.program.n_columns
+        n = self.statement.formulation.n_columns
         return np.array([j for j in range(n) if j not in self.zero], dtype=np.int64)
 
     def restricted(self, row: Row) -> Row:
@@ -227,9 +236,13 @@ class Reduction:
         gone = [j for j in self.zero if program.cost[j]]
         if not gone:
             return self.cutoff
+        assert self._restricted < 0
         terms = tuple((j, int(c)) for j, c in enumerate(program.cost) if c and j not in self.zero)
         uses = ((self.cutoff, 1), *((program.at_lower[j], -int(program.cost[j])) for j in gone))
-        return self.lemmas.add(Lemma("L", self.goal - 1, terms, "lin", partial(tuple, uses)))
+        self._restricted = self.lemmas.add(
+            Lemma("L", self.goal - 1, terms, "lin", partial(tuple, uses))
+        )
+        return self._restricted
 
     def core(self, columns: Ints) -> ExactProgram:
         """The program of `columns`, its rows restricted; rows that are given no more are left out."""

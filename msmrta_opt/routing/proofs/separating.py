@@ -131,7 +131,7 @@ class CutoffBounds(Bounds):
     def __init__(self, program: ExactProgram, rows: list[Row], goal: int, assumption: int) -> None:
         super().__init__(program, rows)
         self._plain = Bounds(program, rows)
-        self._goal = goal
+        self.goal = goal
         self._assumption = assumption
 
     def derive(self, duals: Floats, box: Box, target: Fraction | None) -> Combination | None:
@@ -143,7 +143,7 @@ class CutoffBounds(Bounds):
         return self._against(self._plain.exactly(duals, box))
 
     def _against(self, found: Combination | None) -> Combination | None:
-        if found is None or found.value is None or found.value <= self._goal - 1:
+        if found is None or found.value is None or found.value <= self.goal - 1:
             return found
         multipliers = dict(found.multipliers)
         multipliers[self._assumption] = multipliers.get(self._assumption, 0) - found.under

@@ -1,6 +1,7 @@
 """The edge formulation in exact numbers, with the names that `certify.joint_proof` expects.
 
-Times are whole multiples of their greatest common divisor, so all numbers are integers.
+Times are whole multiples of their greatest common divisor, so all numbers of rows are integers; the
+objective is stated in time units, all service included.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ from ..branch_and_cut.points import point_of
 from ..branch_and_cut.root_proof import about_cut, about_rows
 from ..branch_and_cut.separation import Cut
 from ..problem import Routes
+
+OFFSET = "service"
+"""Name of the variable that is 1, with all service as its cost."""
 
 
 class Statement:
@@ -41,10 +45,12 @@ class Statement:
         self.unit = greatest_common_divisor(times) or Fraction(1)
         """What is 1, in time units."""
         self.offset = Fraction(0)
-        """What every plan costs besides, in time units."""
+        """What every plan costs besides, in time units; a variable that is 1 has it as its cost."""
         data = formulation.data
         if not self.is_makespan:
             self.offset = sum(map(exact, data.service[data.required].tolist()), Fraction(0))
+        self.besides: tuple[tuple[int, Fraction], ...] = ()
+        """Index of the constraint that this variable is 1, and the offset; nothing if that is 0."""
         self.places: dict[Cut, int] = {}
         """Index of the constraint that states a cut."""
         self.units: list[Fraction] = []
@@ -86,6 +92,10 @@ class Statement:
         """The objective of `routes`, in units, without the offset."""
         return int(self.program.value(self.point(routes)))
 
+    def time(self, value: int) -> Fraction:
+        """A value in units as one of the plan's objective, in time units."""
+        return self.offset + self.unit * value
+
     def point(self, routes: Routes) -> list[int]:
         """The variables' values on `routes`."""
         point = [round(x) for x in point_of(self.formulation, routes).tolist()]
@@ -95,7 +105,7 @@ class Statement:
                 if r >= 0 and x:
                     busy[r] += int(time / self.unit)
             point[self.formulation.start("T")] = max(busy, default=0)
-        return point
+        return [*point, 1] if self.offset else point
 
     # Constraints.
 
@@ -110,15 +120,19 @@ class Statement:
                 t / self.unit if counts else Fraction(0)
                 for t, counts in zip(self._times, self._counts, strict=True)
             ]
+        names = self._names()
         lower: list[int | Fraction | None] = [0] * n
         upper: list[int | Fraction | None] = [None if j == last else 1 for j in range(n)]
-        found = ExactProgram(1, self._names(), [True] * n, cost, lower, upper, [], [], [], [])
-        for j, name in enumerate(found.names):
+        found = ExactProgram(1, names, [True] * n, cost, lower, upper, [], [], [], [])
+        found.objective = [c * self.unit for c in cost]
+        for j, name in enumerate(names):
             found.at_lower.append(len(found.stated))
             found.stated.append(Stated(f"low:{name}", "G", 0, ((j, 1),)))
             found.at_upper.append(-1 if j == last else len(found.stated))
             if j != last:
                 found.stated.append(Stated(f"upp:{name}", "L", 1, ((j, 1),)))
+        if self.offset:
+            self._add_offset(found)
         found.n_bounds = len(found.stated)
         matrix, row_lower, row_upper = formulation.rows
         for i, (name, about) in enumerate(about_rows(self.instance, formulation)):
@@ -129,6 +143,21 @@ class Statement:
             self._state(found, row, _word(name, *about.values()))
             self.units.append(unit)
         return found
+
+    def _add_offset(self, program: ExactProgram) -> None:
+        """The variable that is 1, last: of the stated objective alone."""
+        assert program.objective is not None
+        at = len(program.stated)
+        self.besides = ((at, self.offset),)
+        program.stated.append(Stated(f"fix:{OFFSET}", "E", 1, ((program.n_columns, 1),)))
+        program.names.append(OFFSET)
+        program.integer.append(True)
+        program.cost.append(Fraction(0))
+        program.objective.append(self.offset)
+        program.lower.append(1)
+        program.upper.append(1)
+        program.at_lower.append(at)
+        program.at_upper.append(at)
 
     def _row(
         self,
