@@ -54,6 +54,7 @@ def problems_of_execution(run: Run) -> list[str]:
         *(line for one in check.followed.values() for line in one.problems),
         *problems_of_events(check),
         *_figures(run),
+        *_hindsight(run),
     ]
     return wrong or [*problems_of_reasons(check), *problems_of_limits(check)]
 
@@ -89,6 +90,22 @@ def _names(run: Run) -> list[str]:
         if len(track.cells) != len(track.times)
     ]
     return wrong
+
+
+def _hindsight(run: Run) -> Iterator[str]:
+    """What is claimed of the best fits the run; whether it is the best is only claimed."""
+    if (claimed := run.hindsight) is None:
+        return
+    true, close = figures(run).get(claimed.objective), CLOSE * abs(claimed.run)
+    if true is None or abs(claimed.run - true) > close:
+        yield f"hindsight has {claimed.objective} {claimed.run:g} for the run, which is not its own"
+    if not 0 <= claimed.bound <= claimed.best + close or claimed.best > claimed.run + close:
+        yield (
+            f"hindsight has a bound of {claimed.bound:g}, a best of {claimed.best:g} and a run of"
+            f" {claimed.run:g}, which are not in that order"
+        )
+    if claimed.proved and claimed.best - claimed.bound > close:
+        yield f"hindsight calls {claimed.best:g} optimal, with a bound of {claimed.bound:g}"
 
 
 def _figures(run: Run) -> Iterator[str]:

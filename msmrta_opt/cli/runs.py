@@ -61,6 +61,10 @@ def run(
             metavar="SECONDS",
         ),
     ] = None,
+    objective: Annotated[
+        str | None,
+        typer.Option(help="By what --regret judges.  [default: total_time]", metavar="NAME"),
+    ] = None,
     json: Json = None,
     figure: Figure = None,
 ) -> None:
@@ -73,6 +77,7 @@ def run(
     from ..mission.errors import InputError
     from ..mission.plan import Plan
     from ..mission.scenario import Scenario
+    from ..routing.objectives import DEFAULT, objective_of
     from .console import STANDARD_OUTPUT, say, write_json
     from .outputs import check_outputs, named_values
 
@@ -96,6 +101,10 @@ def run(
         raise error.within(scenario or "") from None
     if regret is not None and not regret >= 0:
         raise InputError(f"{regret!r}; give 0 or more", field="--regret")
+    if objective is not None:
+        if regret is None:
+            raise InputError("says by what to judge; give --regret with it", field="--objective")
+        objective_of(objective)
     if runs > 1 or len(names) > 1:
         if regret is not None:
             raise InputError("is for one run; give one policy and no --runs", field="--regret")
@@ -107,6 +116,11 @@ def run(
     if by:
         raise InputError("is for several runs; give --runs with it", field="--by")
     happened = execute(made, given, names[0], seed or 0, **options[names[0]])
+    if regret is not None:
+        from ..execution.hindsight import hindsight
+
+        best = hindsight(happened, objective=objective or DEFAULT, time_limit=regret)
+        happened = happened.model_copy(update={"hindsight": best})
     if json == STANDARD_OUTPUT:
         write_json(json, happened.document())
     elif json is not None:
@@ -118,10 +132,8 @@ def run(
         save_figure(happened.plot(), figure)
         say(f"picture written to {figure}")
     _show(happened)
-    if regret is not None:
-        from ..execution.hindsight import hindsight
-
-        say(f"Hindsight, for what was served: {hindsight(happened, time_limit=regret)}.")
+    if happened.hindsight is not None:
+        say(f"Hindsight, for what was served: {happened.hindsight}.")
 
 
 def policies(json: Json = None) -> None:

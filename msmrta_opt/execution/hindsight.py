@@ -9,14 +9,15 @@ one on every policy.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import hashlib
+from dataclasses import replace
 
 import numpy as np
 
 from ..interruption import interrupted, interruptible
 from ..mission.errors import InputError, shown
 from ..mission.instance import Instance
-from ..mission.run import Run
+from ..mission.run import Hindsight, Run
 from ..routing.incumbent import Progress
 from ..routing.methods import close_in
 from ..routing.objectives import DEFAULT, objective_of
@@ -25,45 +26,6 @@ from ..routing.problem import Routes
 from ..routing.stop import Interruption, MaximumRuntime
 from ..stages.joint_routing import routing_data
 from ..stages.situation import Situation
-
-
-@dataclass(frozen=True)
-class Hindsight:
-    """A run beside the best that could have been.
-
-    Parameters
-    ----------
-    objective : str
-        By what both are judged.
-    run : float
-        What the run came to.
-    best : float
-        The best routes found that serve the same, with all known from the beginning.
-    bound : float
-        Below which no policy that serves the same can come.
-    """
-
-    objective: str
-    run: float
-    best: float
-    bound: float
-    proved: bool
-    """Whether `best` is proved to be optimal."""
-
-    @property
-    def regret(self) -> tuple[float, float]:
-        """What not knowing cost: at least, and at most; the same where `best` is proved."""
-        least = max(self.run - self.best, 0.0)
-        return least, least if self.proved else max(self.run - self.bound, 0.0)
-
-    def __str__(self) -> str:
-        low, high = self.regret
-        cost = f"{low:.6g}" if self.proved else f"{low:.6g} to {high:.6g}"
-        how = "optimal" if self.proved else f"no less than {self.bound:.6g}"
-        return (
-            f"{self.objective} {self.run:.6g}; with all known from the beginning {self.best:.6g} "
-            f"({how}); regret {cost}"
-        )
 
 
 def hindsight(run: Run, *, objective: str = DEFAULT, time_limit: float = 10.0) -> Hindsight:
@@ -94,10 +56,8 @@ def hindsight(run: Run, *, objective: str = DEFAULT, time_limit: float = 10.0) -
     came_to = float(getattr(run.metrics, aim.name))
     mission = as_it_turned_out(run)
     if not mission.victims:
-        return Hindsight(aim.name, came_to, 0.0, 0.0, proved=True)
-    lost = {loss.robot: loss.time for loss in run.world.lost}
-    until = np.inf if run.scenario.until is None else run.scenario.until
-    end = np.array([min(lost.get(robot.id, np.inf), until) for robot in mission.robots])
+        return Hindsight(objective=aim.name, run=came_to, best=0.0, bound=0.0, proved=True)
+    end = np.array(ends_of(run))
     data = routing_data(Situation.of(mission))
     data = replace(data, endurance=end * (1 + 1e-9))
     with interruptible():
@@ -111,7 +71,35 @@ def hindsight(run: Run, *, objective: str = DEFAULT, time_limit: float = 10.0) -
         if not progress.done():
             close_in(progress, seed=0, parameters=Parameters())
     bound = min(progress.bound, progress.value)
-    return Hindsight(aim.name, came_to, progress.value, bound, proved=progress.closed())
+    return Hindsight(
+        objective=aim.name,
+        run=came_to,
+        best=progress.value,
+        bound=bound,
+        proved=progress.closed(),
+    )
+
+
+def ends_of(run: Run) -> list[float]:
+    """Until when each robot could do anything: until it is lost, or the run ends."""
+    lost = {loss.robot: loss.time for loss in run.world.lost}
+    until = np.inf if run.scenario.until is None else run.scenario.until
+    return [min(lost.get(robot.id, np.inf), until) for robot in run.plan.instance.robots]
+
+
+def digest_of_problem(run: Run) -> int:
+    """A number that tells apart what `hindsight` solves: the same for runs that serve the same.
+
+    It has 48 bits, so that it is kept exactly where it is a float.
+    """
+    mission = as_it_turned_out(run)
+    victims = [
+        (v.id, v.cell, v.requirements, sorted(v.service_time.items())) for v in mission.victims
+    ]
+    opened = [(c.time, c.cell, c.free) for c in run.world.changes]
+    robots = [(r.id, r.speed) for r in mission.robots]
+    text = repr((victims, opened, robots, ends_of(run)))
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:6])
 
 
 def as_it_turned_out(run: Run) -> Instance:
@@ -122,10 +110,12 @@ def as_it_turned_out(run: Run) -> Instance:
         free[change.cell] |= change.free
     speed = {drawn.robot: drawn.speed for drawn in world.speeds}
     time = {(drawn.victim, drawn.kind): drawn.time for drawn in world.services}
-    served: dict[int, list[str]] = {}
-    for service in run.services:
-        if service.done:
-            served.setdefault(service.victim, []).append(service.kind)
+    done = {(service.victim, service.kind) for service in run.services if service.done}
+    served = {
+        victim.id: kinds
+        for victim in run.victims
+        if (kinds := [kind for kind in victim.requirements if (victim.id, kind) in done])
+    }
     return mission.replace(
         map=replace(mission.map, free=free),
         scouts=(),

@@ -8,6 +8,7 @@ from pydantic import Field, NonNegativeInt
 
 from .fields import Amount, CellField, Id, Speed
 from .instance import Victim
+from .proof import Finite
 from .route import PlanRecord, Time
 
 
@@ -130,6 +131,36 @@ class Queue(PlanRecord):
 
     robot: Id
     visits: tuple[Queued, ...]
+
+
+class Hindsight(PlanRecord):
+    """A run beside the best that could have been, had all been known from the beginning.
+
+    By an objective: what the ``run`` came to, the ``best`` routes found that serve the same, and the
+    ``bound`` below which no policy that serves the same can come. ``proved`` is whether the best is
+    proved to be optimal.
+    """
+
+    objective: str
+    run: Finite
+    best: Finite
+    bound: Finite
+    proved: bool
+
+    @property
+    def regret(self) -> tuple[float, float]:
+        """What not knowing cost: at least, and at most; the same where the best is proved."""
+        least = max(self.run - self.best, 0.0)
+        return least, least if self.proved else max(self.run - self.bound, 0.0)
+
+    def __str__(self) -> str:
+        low, high = self.regret
+        cost = f"{low:.6g}" if self.proved else f"{low:.6g} to {high:.6g}"
+        how = "optimal" if self.proved else f"no less than {self.bound:.6g}"
+        return (
+            f"{self.objective} {self.run:.6g}; with all known from the beginning {self.best:.6g} "
+            f"({how}); regret {cost}"
+        )
 
 
 class Decision(PlanRecord):

@@ -22,6 +22,7 @@ from .happened import Decision as Decision
 from .happened import DrawnService as DrawnService
 from .happened import DrawnSpeed as DrawnSpeed
 from .happened import Event as Event
+from .happened import Hindsight as Hindsight
 from .happened import Loss as Loss
 from .happened import Queue as Queue
 from .happened import Queued as Queued
@@ -59,6 +60,8 @@ class Run(PlanRecord):
     decisions: tuple[Decision, ...] = ()
     figures: dict[str, Finite] = Field(default_factory=dict)
     """The metrics, for those who read the file by other means."""
+    hindsight: Hindsight | None = None
+    """The run beside the best that could have been, where that was asked for; only claimed."""
     deciding_seconds: Time = 0.0
     """Wall time that the policy took; the one thing that differs from machine to machine."""
 

@@ -9,11 +9,12 @@ from statistics import fmean
 from typing import Any
 
 from ..execution.execute import execute_checked
-from ..execution.hindsight import hindsight
+from ..execution.hindsight import digest_of_problem, hindsight
 from ..mission.instance import Instance
 from ..mission.run_metrics import RUN_METRICS
 from ..mission.scenario import Scenario
 from ..planners import plan
+from ..routing.objectives import DEFAULT
 from .tasks import Planning
 
 
@@ -29,6 +30,8 @@ class Executing:
     runs: int
     hindsight: float | None = None
     """Seconds to find the best that a run's world allowed."""
+    objective: str = DEFAULT
+    """By what that is judged."""
 
     @property
     def folders(self) -> tuple[str, ...]:
@@ -38,6 +41,8 @@ class Executing:
     def asked(self) -> dict[str, Any]:
         """What a record says of it before there is a result."""
         options = {**self.planning.options, **{f"policy.{k}": v for k, v in self.options.items()}}
+        if self.hindsight is not None:
+            options["hindsight.objective"] = self.objective
         return {
             **self.planning.asked(),
             "method": "execution",
@@ -63,9 +68,10 @@ class Executing:
                 values[name].append(getattr(run.metrics, name))
             values["deciding_seconds"].append(run.deciding_seconds)
             if self.hindsight is not None:
-                best = hindsight(run, time_limit=self.hindsight)
+                best = hindsight(run, objective=self.objective, time_limit=self.hindsight)
                 values.setdefault("hindsight_best", []).append(best.best)
                 values.setdefault("hindsight_bound", []).append(best.bound)
+                values.setdefault("hindsight_problem", []).append(digest_of_problem(run))
         means = {name: fmean(values[name]) for name in RUN_METRICS}
         return {
             "metrics_json": json.dumps(means),

@@ -19,6 +19,7 @@ from ..optimise import registry, solvers
 from ..optimise.solve import AUTO
 from ..planners import check_options, planners
 from ..planners.support.planner import versions
+from ..routing.objectives import DEFAULT, OBJECTIVES
 from ..stages.options import options_type
 from .executing import Executing
 from .missions import Known, Mission, digest_of, missions
@@ -177,16 +178,18 @@ def _executions(study: Study, planned: Sequence[Contender]) -> Iterator[Contende
     """Every planner's plan under every scenario by every policy."""
     scenarios = list(_scenarios(study))
     policies = list(_policies(study.policies))
+    quality = study.report.quality
+    objective = quality if quality in OBJECTIVES else DEFAULT
     for made, scenario, policy in product(planned, scenarios, policies):
         assert isinstance(made.task, Planning)
-        task = Executing(made.task, policy.name, policy.options, *scenario)
+        task = Executing(made.task, policy.name, policy.options, *scenario, objective)
         labels = [policy.label] if len(planned) == 1 else [made.label, policy.label]
         what = {
             "policy": policy.name,
             "policy_options": policy.options,
             "scenario": scenario[0].model_dump(mode="json"),
             "runs": scenario[1],
-            "hindsight": scenario[2],
+            "hindsight": scenario[2] and [scenario[2], objective],
         }
         yield replace(
             made, label=", ".join(labels), task=task, what={**made.what, **what}, field=policy.field

@@ -113,7 +113,9 @@ class ScenarioTable(_Table):
     runs: PositiveInt = 100
     """How often each plan is executed by each policy: with the seeds from 0 on."""
     hindsight: PositiveFloat | None = None
-    """Seconds to find, for each run, the best that its world allowed by total time; none by default."""
+    """Seconds to find, for each run, the best that its world allowed; none by default.
+
+    By the report's metric of quality, or by total time where that is no objective."""
 
 
 class PolicyTable(_Options):

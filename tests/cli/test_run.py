@@ -23,6 +23,8 @@ REFUSED = {
     "--policy kepp": "policy: 'kepp' (did you mean 'keep'?); give one of keep, repair, replan",
     "--runs 2 --regret 1": "--regret: is for one run; give one policy and no --runs",
     "--runs 2 --figure a.png": "--figure: is for one run; give one policy and no --runs",
+    "--objective makespan": "--objective: says by what to judge; give --regret with it",
+    "--regret 1 --objective time": "objective: 'time'; give one of total_time, makespan, latency",
     "--regret nan": "--regret: nan; give 0 or more",
 }
 
@@ -47,6 +49,23 @@ def test_a_file_of_another_kind_is_told_by_that_alone(
         assert msmrta(*command) == 2
         said = capsys.readouterr().err
         assert said == f"error: {run}: format: 'msmrta-run/1'; give 'msmrta-plan/1'\n"
+
+
+def test_regret_is_in_the_file_by_the_objective_that_is_asked_for(
+    msmrta: Command, plan: Plan, tmp_path: Path
+) -> None:
+    plan.save(tmp_path / "plan.json")
+    run = tmp_path / "run.json"
+    asked = ("--regret", 5, "--objective", "makespan", "--json", run)
+    assert msmrta("run", tmp_path / "plan.json", *asked) == 0
+    document = json.loads(run.read_text())
+    found = document["hindsight"]
+    assert (found["objective"], found["run"]) == ("makespan", document["figures"]["makespan"])
+    assert 0 < found["bound"] <= found["best"] <= found["run"]
+    assert msmrta("check", run) == 0
+    for name, value in {"run": 1.0, "best": found["run"] + 1, "bound": found["best"] + 1}.items():
+        run.write_text(json.dumps({**document, "hindsight": {**found, name: value}}))
+        assert msmrta("check", run) == 1
 
 
 def test_what_comes_of_a_seed_does_not_depend_on_the_number_of_processes(

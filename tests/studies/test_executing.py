@@ -59,6 +59,18 @@ def test_a_study_executes_each_plan_by_each_policy_on_the_same_seeds(path: Path)
     assert [record.executions for record in kept(path)]
 
 
+def test_regret_follows_the_metric_of_quality(path: Path) -> None:
+    total = [run.key for run in runs(Study.read(path))]
+    path.write_text(path.read_text() + '[report]\nquality = "makespan"\n')
+    assert not set(total) & {run.key for run in runs(Study.read(path))}
+    wait, skip = do(path)
+    bests = wait.executions["hindsight_best"]
+    assert all(best <= came for best, came in zip(bests, wait.executions["makespan"], strict=True))
+    assert wait.executions["hindsight_problem"] == skip.executions["hindsight_problem"]
+    page = open_study(path).report(path.parent / "report").read_text(encoding="utf-8")
+    assert "By makespan: what runs are above the best" in page
+
+
 def test_another_scenario_is_another_run_and_the_planners_run_is_as_before(path: Path) -> None:
     keys = [run.key for run in runs(Study.read(path))]
     (path.parent / "rough.toml").write_text(SCENARIO.replace("0.5", "0.4"))

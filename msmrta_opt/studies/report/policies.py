@@ -6,6 +6,7 @@ of quality. What a run is above the best that its world allowed, if that was loo
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
@@ -20,6 +21,7 @@ from ...mission.metrics import METRICS
 from ...mission.run_metrics import RUN_METRICS
 from ...plots.lettering import plain, told_apart
 from ...plots.style import INK
+from ...routing.objectives import DEFAULT
 from .blocks import Block, Picture, Section, Table, Words
 from .pairs import CONFIDENCE, SAME, Comparison, pairs_table
 from .runs import INSTANCE, contenders
@@ -73,7 +75,11 @@ def quantile_of(values: NDArray[np.float64], share: float) -> Interval:
 
 
 def seeds_of(records: Iterable[Record]) -> pd.DataFrame:
-    """A row for each seed of each record of executions, with its metrics; in the records' order."""
+    """A row for each seed of each record of executions, with its metrics; in the records' order.
+
+    What is known of the best that a world allowed counts for all runs of the same problem: those that
+    serve the same in the same world. So equal runs have equal regrets.
+    """
     rows = []
     for record in records:
         if record.method != "execution" or record.failed:
@@ -86,11 +92,23 @@ def seeds_of(records: Iterable[Record]) -> pd.DataFrame:
                     **{name: getattr(record, name) for name in (*INSTANCE, "contender")},
                     **{name: getattr(record, name) for name in ("scenario", "policy")},
                     "planner_seed": record.seed,
+                    "objective": json.loads(record.options_json).get(
+                        "hindsight.objective", DEFAULT
+                    ),
                     "seed": int(seed),
                     **metrics,
                 }
             )
-    return pd.DataFrame(rows)
+    return _pooled(pd.DataFrame(rows))
+
+
+def _pooled(runs: pd.DataFrame) -> pd.DataFrame:
+    if "hindsight_problem" not in runs:
+        return runs
+    same = runs.groupby([*INSTANCE, "objective", "hindsight_problem"])
+    best = same["hindsight_best"].transform("min").fillna(runs["hindsight_best"])
+    bound = same["hindsight_bound"].transform("max").fillna(runs["hindsight_bound"])
+    return runs.assign(hindsight_best=best, hindsight_bound=np.minimum(bound, best))
 
 
 def policy_section(records: Iterable[Record], quality: str) -> Section:
@@ -187,15 +205,16 @@ def _pairs(scenario: str, runs: pd.DataFrame, quality: str, name: str) -> Table 
 
 
 def _regret(scenario: str, runs: pd.DataFrame, name: str) -> Table | None:
-    """How far runs stay above the best that their worlds allowed, by total time."""
+    """How far runs stay above the best that their worlds allowed, by what that is judged."""
     if "hindsight_best" not in runs or runs["hindsight_best"].isna().all():
         return None
     rows = []
+    objective = str(runs["objective"].iloc[0])
     for who in contenders(runs):
         mine = runs[(runs["contender"] == who) & (runs["hindsight_best"] > 0)]
-        least = 100 * (mine["total_time"] / mine["hindsight_best"] - 1).to_numpy(float)
+        least = 100 * (mine[objective] / mine["hindsight_best"] - 1).to_numpy(float)
         bounded = mine[mine["hindsight_bound"] > 0]
-        most = 100 * (bounded["total_time"] / bounded["hindsight_bound"] - 1).to_numpy(float)
+        most = 100 * (bounded[objective] / bounded["hindsight_bound"] - 1).to_numpy(float)
         proved = mine["hindsight_best"] - mine["hindsight_bound"] <= SAME * mine["hindsight_best"]
         low = mean_of(np.maximum(least, 0))
         rows.append(
@@ -212,9 +231,10 @@ def _regret(scenario: str, runs: pd.DataFrame, name: str) -> Table | None:
         )
     return Table(
         f"policies-regret-{name}", f"Regret against hindsight, under {scenario}", pd.DataFrame(rows),
-        "Total time above the best that the world of a run allowed, of what it served, had all been"
-        " known from the beginning: above the best found, and above the bound that is proved. Means over"
-        " runs, in per cent; proved are the runs whose best is proved to be optimal.",
+        f"By {RUN_METRICS[objective].label}: what runs are above the best that their worlds allowed, of"
+        " what they served, had all been known from the beginning; above the best found, and the bound"
+        " that is proved. Means over runs, in per cent; proved are the runs whose best is proved to be"
+        " optimal.",
     )  # fmt: skip
 
 

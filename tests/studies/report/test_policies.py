@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,6 +60,24 @@ def test_regret_is_the_share_above_the_best_that_the_world_allowed(
     most = 100 * (0 + 3 + 3 + (10 / 8 - 1)) / 4
     assert regret.loc["keep", "regret, at most (%)"] == pytest.approx(most)
     assert regret.loc["repair", ["highest (%)", "proved (%)"]].tolist() == pytest.approx([200, 75])
+
+
+def test_runs_of_one_problem_have_what_is_known_of_its_best_together() -> None:
+    """Equal runs have equal regrets, whichever was proved in time."""
+    known = {
+        "keep": {"hindsight_best": [10.0] * 4, "hindsight_bound": [10.0, 9.0, 8.0, 8.0]},
+        "repair": {"hindsight_best": [10.0, 9.0, 10.0, 10.0], "hindsight_bound": [7.0] * 4},
+    }
+    records = []
+    for name, values in known.items():
+        made = record(name)
+        # The last run of either policy is of a problem of its own.
+        more = {**values, "hindsight_problem": [1, 2, 3, 4 if name == "keep" else 5]}
+        document = json.dumps({**made.executions, **more})
+        records.append(replace(made, executions_json=document))
+    rows = seeds_of(records)
+    assert rows["hindsight_best"].tolist() == [10, 9, 10, 10] * 2
+    assert rows["hindsight_bound"].tolist() == [10, 9, 8, 8, 10, 9, 8, 7]
 
 
 def test_scenarios_are_never_mixed() -> None:
