@@ -18,6 +18,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from support.axe import SCRIPT, WITHOUT_AXE, violations
 from support.browser import PROGRAM, WITHOUT, Browser
 
 import msmrta_opt as mo
@@ -252,4 +253,15 @@ def test_no_page_asks_a_network_for_anything_or_is_wider_than_its_window(
             assert [url for url in asked if not url.startswith("data:")] == [], path
             assert browser.complaints == [], path
             assert browser.run("document.documentElement.scrollWidth - innerWidth") <= 0, path
+    browser.close()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(PROGRAM is None, reason=WITHOUT)
+@pytest.mark.skipif(SCRIPT is None, reason=WITHOUT_AXE)
+def test_axe_finds_nothing_on_any_page(site: Path, tmp_path: Path) -> None:
+    browser = Browser(tmp_path)
+    for path in sorted(site.rglob("docs/*.html")) + sorted(site.rglob("notebooks/*.html")):
+        browser.open(path)
+        assert violations(browser) == [], path
     browser.close()

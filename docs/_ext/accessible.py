@@ -1,7 +1,7 @@
 """What a page needs so that everybody can use it, and that Sphinx does not write by itself.
 
-What scrolls by itself can be reached by keyboard; the empty corner of a table is no heading. And the
-folder opens at its root.
+What scrolls by itself can be reached by keyboard; the empty corner of a table is no heading; parameters
+of a long signature are a list. And the folder opens at its root.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ CHANGES = (
     (re.compile(r'<th(?: class="head")?>(?:<p></p>)?</th>'), "<td></td>"),
     (re.compile(r'role="heading">'), 'role="heading" aria-level="2">'),
 )
+PARAMETERS = re.compile(r'<dl>\n((?:<dd><em class="sig-param">.*</dd>\n)+)</dl>')
+"""A signature on several lines: definitions without anything that they define."""
 FRONT = """<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -34,6 +36,12 @@ def change(app: Any, page: str, template: str, context: dict[str, Any], doctree:
     """The body of a page, with `CHANGES`."""
     for old, new in CHANGES:
         context["body"] = old.sub(new, context.get("body", ""))
+    context["body"] = PARAMETERS.sub(_listed, context.get("body", ""))
+
+
+def _listed(found: re.Match[str]) -> str:
+    items = found[1].replace("<dd>", "<li>").replace("</dd>", "</li>")
+    return f'<ul class="parameters">\n{items}</ul>'
 
 
 def front(app: Any, error: Exception | None) -> None:
