@@ -41,7 +41,7 @@ def replay(
         Path | None, typer.Option(help="Write a film here: .mp4; needs ffmpeg.", metavar="FILE")
     ] = None,
 ) -> None:
-    """Write a replay of a plan or a run that any browser plays, without a network; or a film of a plan.
+    """Write a replay of a plan or a run that any browser plays, without a network; or a film of it.
 
     Scouting, then the robots with their trails, victims as they are served, and a timeline to drag; of a
     run what came in between, and what was decided then. What does not hold is not shown.

@@ -8,16 +8,19 @@ from typing import Any
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
+from PIL import Image
 from support.browser import PROGRAM, WITHOUT, Browser
 from support.legible import illegible
 from support.small_run import SCENARIO, small_plan, small_run
 
 from msmrta_opt.execution.execute import execute
-from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.run import Decision, Event, Queue, Queued, Run
+from msmrta_opt.plots.replay import film
 from msmrta_opt.plots.replay.run_data import document_of_run
+from msmrta_opt.plots.replay.run_scene import RunScene, schedules
 from msmrta_opt.plots.run import walked
 
 
@@ -115,10 +118,51 @@ def test_no_text_of_the_picture_of_a_run_lies_outside_or_on_another(slower: floa
     assert illegible(execute(small_plan(), scenario).plot()) == []
 
 
-def test_no_film_of_a_run_is_begun(run: Run, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"run.gif: a film is of plans; write a run as .html"):
-        run.replay().save(tmp_path / "run.gif")
-    assert list(tmp_path.iterdir()) == []
+@pytest.mark.parametrize(
+    ("robot", "t", "place"),
+    [
+        *((1, 0, (0, 0)), (1, 1.5, (0, 1.5)), (1, 3, (0, 3)), (1, 9, (0, 3))),
+        *((2, 1.5, (1, 3.5)), (2, 2, (1, 3)), (2, 2.4, (1, 3)), (2, 9, (1, 3))),
+    ],
+)
+def test_in_a_film_a_robot_is_where_the_run_had_it(
+    run: Run, robot: int, t: float, place: tuple[float, float]
+) -> None:
+    assert schedules(run)[robot].walked(t)[-1] == pytest.approx(place)
+
+
+def test_in_a_film_a_robot_waits_where_it_waited() -> None:
+    # It stands before [0, 2], which is blocked, from 1 to 4.
+    scenario = {"corridors": [{"cells": [[0, 2]], "blocked": 0.5, "opened": 4}]}
+    here = schedules(execute(small_plan(), scenario, blocked="wait"))[1]
+    assert [tuple(here.walked(t)[-1]) for t in (1, 3.9, 5)] == [(0, 1), (0, 1), (0, 2)]
+
+
+def test_a_film_of_a_run_says_who_was_lost_what_was_served_and_who_turned_up(run: Run) -> None:
+    figure = Figure()
+    scene = RunScene(run, *figure.subplots(2))
+    scene.named = True
+
+    def said(t: float) -> set[str]:
+        return {x.get_text() for _, x in scene.mission(t) if isinstance(x, Text)}
+
+    assert said(1) == {"R1", "R2", "time 1 of 5: 0 of 3 available requirements served"}
+    assert said(2.5) == {
+        "R1",
+        "R2 lost",
+        "v30",
+        "time 2 of 5: 0 of 3 available requirements served",
+    }
+    assert {"R2 lost", "time 5 of 5: 1 of 3 available requirements served"} <= said(5)
+
+
+def test_a_run_and_its_plan_make_a_film(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(film, "RATES", {".gif": 1, ".mp4": 1})
+    run.replay(run.plan).save(tmp_path / "run.gif")
+    with Image.open(tmp_path / "run.gif") as gif:
+        assert gif.n_frames > 5  # type: ignore[attr-defined]
 
 
 @pytest.mark.skipif(PROGRAM is None, reason=WITHOUT)

@@ -2,7 +2,8 @@
 
 A page: `data` is the plan as it reads it, `run_data` the run; ``replay.html`` with ``replay.css`` and,
 in this order, ``state.js``, ``draw.js``, ``timeline.js``, ``words.js`` and ``page.js`` are its parts,
-which `page` puts together. A film of a plan, GIF or MP4: `film`, with `scene` for what moves on it.
+which `page` puts together. A film, GIF or MP4: `film`, with `scene` for what
+moves on it, and `run_scene` for what moves in a run.
 """
 
 from __future__ import annotations

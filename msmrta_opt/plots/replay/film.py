@@ -21,9 +21,12 @@ from PIL import Image
 from ...mission.errors import InputError
 from ...mission.files import write_with
 from ...mission.plan import Plan
+from ...mission.run import Run
 from ..canvas import panel_size, plot_map
 from ..gantt import plot_gantt
 from ..lettering import as_written, shortened
+from ..run import walked
+from .run_scene import RunScene
 from .scene import Moving, Scene
 
 DPI = 80
@@ -35,8 +38,8 @@ COLOURS = 128
 """Of a GIF, the same in all frames, so that what does not move takes no room."""
 
 
-def save_film(plans: Sequence[Plan], labels: Sequence[str], path: str | Path) -> None:
-    """Write a film of one plan, or of several side by side, as the suffix of `path` says.
+def save_film(plans: Sequence[Plan | Run], labels: Sequence[str], path: str | Path) -> None:
+    """Write a film of one plan or run, or of several side by side, as the suffix of `path` says.
 
     Raises
     ------
@@ -63,14 +66,17 @@ def check_ffmpeg(path: str | Path) -> None:
         raise InputError("needs the program ffmpeg; install it, or write a .gif", file=path)
 
 
-def frames(plans: Sequence[Plan], labels: Sequence[str], rate: int) -> Iterator[Image.Image]:
+def frames(plans: Sequence[Plan | Run], labels: Sequence[str], rate: int) -> Iterator[Image.Image]:
     """The pictures of a film, `rate` a second: scouting, if there was any, then the mission."""
     figure = _page(plans, labels)
     canvas: Any = FigureCanvasAgg(figure)  # whose methods have no types
     canvas.draw()
     ground = canvas.copy_from_bbox(figure.bbox)
     columns = np.array([ax for ax in figure.axes if ax.get_subplotspec()]).reshape(2, -1).T
-    scenes = [Scene(plan, *axes) for plan, axes in zip(plans, columns, strict=True)]
+    scenes = [
+        RunScene(plan, *axes) if isinstance(plan, Run) else Scene(plan, *axes)
+        for plan, axes in zip(plans, columns, strict=True)
+    ]
     # What is written over all that moves is the same in all frames.
     canvas.get_renderer().clear()
     for scene in scenes:
@@ -98,19 +104,21 @@ def frames(plans: Sequence[Plan], labels: Sequence[str], rate: int) -> Iterator[
 
 
 @as_written
-def _page(plans: Sequence[Plan], labels: Sequence[str]) -> Figure:
+def _page(plans: Sequence[Plan | Run], labels: Sequence[str]) -> Figure:
     """Maps above, timelines below, a column for each plan."""
-    sizes = [panel_size(plan.instance.map) for plan in plans]
+    drawn = [walked(plan) if isinstance(plan, Run) else plan for plan in plans]
+    sizes = [panel_size(plan.instance.map) for plan in drawn]
     width = sum(max(wide, 5.4) + 0.5 for wide, _ in sizes)
     tall = max(high for _, high in sizes) + 0.7
-    low = max(min(0.9 + 0.2 * plan.instance.n_robots, 4.0) for plan in plans)
+    low = max(min(0.9 + 0.2 * plan.instance.n_robots, 4.0) for plan in drawn)
     figure = Figure(figsize=(width, tall + low), dpi=DPI)
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.06)
     axes = figure.subplots(2, len(plans), squeeze=False, height_ratios=(tall, low))
     horizon = max(plan.metrics.makespan for plan in plans)
-    for plan, label, (ground, timeline) in zip(plans, labels, axes.T, strict=True):
+    for told, plan, label, (ground, timeline) in zip(plans, drawn, labels, axes.T, strict=True):
         plot_map(plan.instance.map, ground)
-        plot_gantt(plan, timeline, until=horizon)
+        ends = told.metrics.done_of if isinstance(told, Run) else None
+        plot_gantt(plan, timeline, until=horizon, ends=ends)
         for panel in (ground, timeline):
             panel.set(title="", xlabel="", ylabel="")
             if (legend := panel.get_legend()) is not None:

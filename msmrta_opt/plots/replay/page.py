@@ -86,10 +86,7 @@ class Replay:
         elif suffix.lower() in (".gif", ".mp4"):
             from .film import save_film
 
-            plans = [plan for plan in self.plans if isinstance(plan, Plan)]
-            if len(plans) < len(self.plans):
-                raise InputError("a film is of plans; write a run as .html", file=path)
-            save_film(plans, self.labels, path)
+            save_film(self.plans, self.labels, path)
         else:
             raise InputError(
                 f"unknown format {suffix!r}; the suffix is one of .html, .gif, .mp4", file=path

@@ -15,10 +15,11 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ...arrays import Floats
+from ...mission.instance import Victim
 from ...mission.plan import Plan
 from ...mission.visibility import FieldOfView
 from ..canvas import Scale
-from ..style import INK, MISSED, robot_styles
+from ..style import INK, MISSED, TURNED_UP, robot_styles
 
 Moving = list[tuple[Axes, Artist]]
 """What is drawn over the ground in one frame."""
@@ -62,7 +63,7 @@ def schedules(plan: Plan) -> dict[int, Schedule]:
     return found
 
 
-class _Service(NamedTuple):
+class Service(NamedTuple):
     """One requirement of one victim, served by a visit: its wedge, its colour, from when to when."""
 
     cell: tuple[int, int]
@@ -70,31 +71,31 @@ class _Service(NamedTuple):
     colour: str
     arrival: float
     departure: float
+    done: bool = True
 
 
-def _arrival(service: _Service) -> float:
+def _arrival(service: Service) -> float:
     return service.arrival
 
 
-def _services(plan: Plan) -> list[_Service]:
+def _services(plan: Plan) -> list[Service]:
     victims = {victim.id: victim for victim in plan.instance.victims}
     styles, found = robot_styles(plan.instance), []
     for route in plan.routes:
         for visit in route.visits:
-            victim = victims[visit.victim]
-            width = 360 / len(victim.requirements)
-            for kind in visit.served:
-                end = 90 - width * victim.requirements.index(kind)  # clockwise from the top
-                found.append(
-                    _Service(
-                        victim.cell,
-                        (end - width, end),
-                        styles[route.robot].colour,
-                        visit.arrival,
-                        visit.departure,
-                    )
-                )
+            victim, colour = victims[visit.victim], styles[route.robot].colour
+            found += [
+                Service(victim.cell, wedge_of(victim, kind), colour, visit.arrival, visit.departure)
+                for kind in visit.served
+            ]
     return found
+
+
+def wedge_of(victim: Victim, kind: str) -> tuple[float, float]:
+    """From where to where a requirement's part of the disc reaches, in degrees."""
+    width = 360 / len(victim.requirements)
+    end = 90 - width * victim.requirements.index(kind)  # clockwise from the top
+    return end - width, end
 
 
 def _first_seen(plan: Plan) -> NDArray[np.int64]:
@@ -122,7 +123,11 @@ class Scene:
         self.named = self.scale.cell > 8
         self.steps = len(plan.scouting.coverage) - 1 if plan.scouting else -1
         self.first_seen = _first_seen(plan)
-        self.unserved = {item.victim for item in plan.unserved}
+        self.makespan, self.n_available = plan.metrics.makespan, plan.metrics.n_available
+        self.unserved = {item.victim: 0.0 for item in plan.unserved}
+        """Victims of whom something stays unserved, and from when on that is so."""
+        self.appears: dict[int, float] = {}
+        """When those turn up who are not there from the beginning."""
 
     def scouting(self, step: int) -> Moving:
         """What has been seen by `step`, what is in sight, the victims found, and the scouts."""
@@ -151,7 +156,7 @@ class Scene:
 
     def mission(self, t: float) -> Moving:
         """Trails, victims as far as they are served, robots, and the time on the timeline."""
-        since = 0.0 if self.named else t - RECENT * self.plan.metrics.makespan
+        since = 0.0 if self.named else t - RECENT * self.makespan
         walks = [schedule.walked(t, since)[:, ::-1] for schedule in self.schedules.values()]
         styles = [self.styles[robot] for robot in self.schedules]
         step = min(0.5 / max(len(walks) - 1, 1), 2.2 * self.scale.line / self.scale.cell)
@@ -165,47 +170,53 @@ class Scene:
         )
         for collection in (casing, lines):
             self.ground.add_collection(collection, autolim=False)
-        n_served = sum(t >= service.departure for service in self.services)
-        makespan, n_available = self.plan.metrics.makespan, self.plan.metrics.n_available
-        served = f"{n_served} of {n_available} available requirements served"
+        n_served = sum(t >= service.departure for service in self.services if service.done)
+        served = f"{n_served} of {self.n_available} available requirements served"
         return [
             (self.ground, casing),
             (self.ground, lines),
-            self._victims(set()),
+            self._victims(set(), t),
             self._wedges(t),
-            *self._robots([walk[-1] for walk in walks], list(self.schedules)),
+            *self._robots([walk[-1] for walk in walks], t),
             (self.timeline, self.timeline.axvline(t, color=INK, lw=1.6)),
-            self._say(f"time {min(t, makespan):.0f} of {makespan:g}: {served}"),
+            self._say(f"time {min(t, self.makespan):.0f} of {self.makespan:g}: {served}"),
         ]
 
     def write_names(self) -> None:
         """Write the victims' names beside them, where there is room for any."""
         for victim in self.plan.instance.victims if self.named else ():
-            row, col = victim.cell
-            name = self.ground.text(
-                col + self.radius, row - self.radius, f"v{victim.id}", fontsize=7.5,
-                fontweight="bold", color=INK, path_effects=[HALO],
-            )  # fmt: skip
-            self.ground.draw_artist(name)
-            name.remove()
+            if victim.id not in self.appears:
+                name = self._name(victim)
+                self.ground.draw_artist(name)
+                name.remove()
 
-    def _victims(self, found: set[int]) -> tuple[Axes, Artist]:
+    def _name(self, victim: Victim) -> Artist:
+        row, col = victim.cell
+        return self.ground.text(
+            col + self.radius, row - self.radius, f"v{victim.id}", fontsize=7.5,
+            fontweight="bold", color=INK, path_effects=[HALO],
+        )  # fmt: skip
+
+    def _victims(self, found: set[int], t: float = 0.0) -> tuple[Axes, Artist]:
         """A disc each, dark for those just found, with a red ring where something stays unserved."""
-        victims = self.plan.instance.victims
+        victims = [x for x in self.plan.instance.victims if self.appears.get(x.id, 0.0) <= t]
+        ringed = [self.unserved.get(victim.id, np.inf) <= t for victim in victims]
+        faces = dict.fromkeys(self.appears, TURNED_UP) | dict.fromkeys(found, INK)
         rows, cols = np.array([victim.cell for victim in victims]).reshape(-1, 2).T
         discs = self.ground.scatter(
             cols,
             rows,
             s=(2 * self.radius * self.scale.cell) ** 2,
-            c=[INK if victim.id in found else "white" for victim in victims],
-            edgecolors=[MISSED if victim.id in self.unserved else INK for victim in victims],
-            linewidths=[2.0 if victim.id in self.unserved else 0.8 for victim in victims],
+            c=[faces.get(victim.id, "white") for victim in victims],
+            edgecolors=[MISSED if ring else INK for ring in ringed],
+            linewidths=[2.0 if ring else 0.8 for ring in ringed],
         )
         return self.ground, discs
 
     def _wedges(self, t: float) -> tuple[Axes, Artist]:
         """What is served of each victim; what is being served grows from the middle."""
-        begun = [service for service in self.services if t >= service.arrival]
+        # What was cut short leaves nothing.
+        begun = [x for x in self.services if x.arrival <= t and (x.done or t < x.departure)]
         if not self.named:
             # Dots, in the colour of the robot that was there last.
             last = {service.cell: service.colour for service in sorted(begun, key=_arrival)}
@@ -227,24 +238,29 @@ class Scene:
         self.ground.add_collection(wedges, autolim=False)
         return self.ground, wedges
 
-    def _robots(self, places: Sequence[Floats], robots: Sequence[int]) -> Moving:
-        styles = [self.styles[robot] for robot in robots]
+    def _look(self, robot: int, t: float) -> tuple[str, str, str]:
+        """What a robot's badge says, on which colour and in which ink."""
+        style = self.styles[robot]
+        return f"R{robot}", style.colour, style.ink
+
+    def _robots(self, places: Sequence[Floats], t: float) -> Moving:
+        looks = [self._look(robot, t) for robot in self.schedules]
         if not self.named:
-            colours = [style.colour for style in styles]
+            colours = [colour for _, colour, _ in looks]
             x, y = np.array(places).T
             dots = self.ground.scatter(x, y, s=26, c=colours, edgecolors=INK, linewidths=0.6)
             return [(self.ground, dots)]
         cells = {victim.cell for victim in self.plan.instance.victims}
         return [
+            # Below the victim that it is at.
             self._badge(
-                f"R{robot}",
-                # Below the victim that it is at.
+                name,
                 y + (self.radius + 6 / self.scale.cell if (y, x) in cells else 0.0),
                 x,
-                style.colour,
-                style.ink,
+                face,
+                ink,
             )
-            for robot, style, (x, y) in zip(robots, styles, places, strict=True)
+            for (name, face, ink), (x, y) in zip(looks, places, strict=True)
         ]
 
     def _badge(self, name: str, row: float, col: float, face: str, ink: str) -> tuple[Axes, Artist]:
