@@ -157,6 +157,22 @@ def test_of_a_worse_plan_only_what_is_true_is_proved(planner: str) -> None:
     assert found.bound <= check_latency_proof(tree(BRANCHED), best).value < found.value
 
 
+def test_the_longer_a_tree_grows_the_more_is_proved() -> None:
+    plan = optimum(BRANCHED)
+    root = without_duals(plan)
+    whole = prove_latency(plan, root, Limits())
+    bounds = []
+    for nodes in range(whole.nodes + 1):
+        grown = prove_latency(plan, root, Limits(nodes=nodes))
+        assert (grown.remark == "") == (nodes >= whole.nodes)
+        found = check_latency_proof(LatencyTree(root=root, leaves=grown.leaves), plan)
+        assert found.bound <= found.value
+        bounds.append(found.bound)
+    assert bounds == sorted(bounds)
+    assert len(set(bounds)) >= 3  # next to nothing, a part of the tree, all
+    assert float(bounds[-1]) == pytest.approx(least(problem_of(plan), "latency"))
+
+
 def test_a_proof_that_is_stopped_says_how_far_it_got(tmp_path: Path) -> None:
     plan = optimum(BRANCHED)
     (claimed,) = plan.certificates

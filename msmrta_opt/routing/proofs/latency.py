@@ -6,8 +6,9 @@ them chooses shares of routes; its dual values close the node, or its shares say
 
 from __future__ import annotations
 
+import heapq
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -57,39 +58,88 @@ def prove_latency(plan: Plan, root: LatencyProof, limits: Limits) -> Grown:
     return grow(joint, priced, lists, float(value), limits)
 
 
+@dataclass(frozen=True)
+class _Node:
+    """A node that is not looked at yet, and the dual values of the one above."""
+
+    place: tuple[bool, ...]
+    """The sides of the branches, in whose order leaves stand."""
+    branches: tuple[Branch, ...]
+    allowed: Allowed
+    duals: PricingRound | None = None
+    size: int = 0
+    """Bytes that it takes as a leaf with these dual values."""
+
+    def leaf(self, duals: PricingRound) -> LatencyLeaf:
+        """It as a leaf."""
+        return LatencyLeaf(branches=self.branches, duals=duals)
+
+
 def grow(
     joint: Joint, priced: Priced, lists: list[RouteList], value: float, limits: Limits
 ) -> Grown:
-    """Look for a tree whose leaves all hold no better plan."""
+    """Look for a tree whose leaves all hold no better plan, the node of the least bound first.
+
+    Where a limit comes first, what is open becomes leaves: they prove what the nodes above do.
+    """
     program = _Program(joint, priced, lists, value)
     everything = tuple(np.ones(len(routes.option), dtype=bool) for routes in lists)
-    waiting: list[tuple[tuple[Branch, ...], Allowed]] = [((), everything)]
-    leaves: list[LatencyLeaf] = []
+    waiting: list[tuple[int, int, _Node]] = [(0, 0, _Node((), (), everything))]
+    leaves: dict[tuple[bool, ...], LatencyLeaf] = {}
     nodes = size = 0
     while waiting:
-        if stopped := limits.reached(size, nodes):
-            return Grown((), nodes, stopped)
-        branches, allowed = waiting.pop()
+        if remark := limits.reached(size, nodes):
+            break
+        _, _, node = heapq.heappop(waiting)
         nodes += 1
-        duals, shares = program.solve(allowed)
-        leaf = LatencyLeaf(branches=branches, duals=duals)
-        bound = leaf_bound(joint, priced, lists, allowed, leaf, "leaf")
-        if bound is None or bound > priced.better:
-            leaves.append(leaf)
-            size += len(leaf.model_dump_json())
+        duals, shares = program.solve(node.allowed)
+        leaf = node.leaf(duals)
+        own = len(leaf.model_dump_json())
+        size += own - node.size
+        bound = leaf_bound(joint, priced, lists, node.allowed, leaf, "leaf")
+        branch = None
+        if bound is not None and bound <= priced.better:
+            branch = program.branch(shares)
+            if branch is None:
+                remark = "routes that are as good in rounded times are left"
+        if bound is None or branch is None:
+            leaves[node.place] = leaf
+            if remark:
+                break
             continue
-        branch = program.branch(shares)
-        if branch is None:
-            return Grown((), nodes, "routes that are as good in rounded times are left")
-        task = (branch.victim, tuple(sorted(branch.kinds)))
-        for high in (True, False):  # the low side comes first
-            some = tuple(
-                own & sides(routes, task, branch.robot, branch.until, high)
-                for own, routes in zip(allowed, lists, strict=True)
-            )
+        size += own
+        for high in (False, True):
             side = branch.model_copy(update={"high": high})
-            waiting.append(((*branches, side), some))
-    return Grown(tuple(leaves), nodes, "")
+            allowed = _side(lists, node.allowed, side)
+            below = _Node((*node.place, high), (*node.branches, side), allowed, duals, own)
+            heapq.heappush(waiting, (bound, 2 * nodes + high, below))
+    if remark:
+        leaves |= _left([node for _, _, node in waiting])
+    return Grown(tuple(leaves[place] for place in sorted(leaves)), nodes, remark)
+
+
+def _side(lists: list[RouteList], allowed: Allowed, side: Branch) -> Allowed:
+    """Those of the routes that are on a side of a branch."""
+    task = (side.victim, tuple(sorted(side.kinds)))
+    return tuple(
+        own & sides(routes, task, side.robot, side.until, side.high)
+        for own, routes in zip(allowed, lists, strict=True)
+    )
+
+
+def _left(nodes: list[_Node]) -> dict[tuple[bool, ...], LatencyLeaf]:
+    """Open nodes as leaves; where both sides of a branch are open, the node above is one."""
+    places = {node.place for node in nodes}
+    found = {}
+    for node in nodes:
+        if node.duals is None:
+            continue
+        if (*node.place[:-1], not node.place[-1]) in places:
+            above = replace(node, branches=node.branches[:-1])
+            found[node.place[:-1]] = above.leaf(node.duals)
+        else:
+            found[node.place] = node.leaf(node.duals)
+    return found
 
 
 class _Program:
