@@ -87,6 +87,7 @@ if TYPE_CHECKING:
     from .planners import planners as planners
     from .planners.support.mip_start import mip_start as mip_start
     from .planners.support.plan_proof import prove_plan as prove_plan
+    from .planners.support.plan_proof import with_proof as with_proof
     from .proofs.prove import Proof as Proof
     from .proofs.prove import prove as prove
     from .proofs.stated import check_proof as check_proof

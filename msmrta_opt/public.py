@@ -67,6 +67,7 @@ HOME = MappingProxyType(
         "explain": "diagnosis.explain",
         "prove": "proofs.prove",
         "prove_plan": "planners.support.plan_proof",
+        "with_proof": "planners.support.plan_proof",
         "Proof": "proofs.prove",
         "check_proof": "proofs.stated",
         "Explanation": "diagnosis.explain",

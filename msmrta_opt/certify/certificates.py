@@ -191,6 +191,13 @@ def _contradictions(certificate: Certificate, value: Fraction) -> list[str]:
     if objective is None or _above(objective, value, value) or _above(value, objective, value):
         said = "nothing" if objective is None else f"{objective:.9g}"
         wrong.append(f"the certificate says {said} for a plan worth {true}")
+    proved = certificate.proved
+    if proved is not None and _above(proved.bound, value, value):
+        wrong.append(
+            f"{proved.bound:.9g} is said to be proved, above what the plan is worth, {true}"
+        )
+    elif proved is not None and proved.status == "proved" and _above(value, proved.bound, value):
+        wrong.append(f"the plan is said to be proved at {true}, above what is, {proved.bound:.9g}")
     if bound is None:
         if certificate.status == "optimal" or gap is not None:
             wrong.append("the certificate has no bound that its status and gap could rest on")

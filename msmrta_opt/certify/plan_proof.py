@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
-from ..mission.errors import CheckError
+from ..mission.errors import CheckError, InputError
 from ..mission.plan import Plan
 from ..mission.proof import LatencyTree
 from ..mission.validation import read_model
@@ -14,6 +15,21 @@ from .verdict import Verdict
 
 TREE = ".json"
 """Suffix of the proof of a latency; the others are VIPR certificates."""
+
+
+def digest_of(path: str | Path) -> str:
+    """The SHA-256 of a proof's file, by which a plan names it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", file=path) from None
 
 
 def check_plan_proof(path: str | Path, plan: Plan) -> Verdict:

@@ -131,7 +131,7 @@ def check(
             records.append(_record(file, "run", verdict))
             wrong |= bool(verdict.wrong)
             continue
-        verdict = _plan(item, missions, claims=not bound)
+        verdict = _plan(item, missions, claims=not bound, proving=proof is not None)
         if bound and not verdict.wrong:
             try:
                 _bounds(item, verdict, solver, time_limit)
@@ -188,7 +188,7 @@ def _instance(mission: Instance) -> _Verdict:
     return _Verdict(said=[f"a valid instance ({counts})"], warnings=unavailable(mission))
 
 
-def _plan(plan: Plan, missions: list[Instance], *, claims: bool) -> _Verdict:
+def _plan(plan: Plan, missions: list[Instance], *, claims: bool, proving: bool) -> _Verdict:
     """Whether the plan holds, with what it claims, and for one of `missions`, if there are any."""
     from ..certify.certificates import claim_problems
     from ..certify.cluster_weights import doubts
@@ -205,6 +205,12 @@ def _plan(plan: Plan, missions: list[Instance], *, claims: bool) -> _Verdict:
         verdict.wrong += [f"the plan is for another mission: {line}" for line in closest]
     if not verdict.wrong:
         verdict.said.append(f"the plan holds ({plan.metrics.n_served} requirements served)")
+        verdict.said += [
+            f"of its {item.model} is said: {item.how}; --proof FILE checks that (SHA-256 "
+            f"{item.proved.digest[:16]}…)"
+            for item in plan.certificates
+            if item.proved is not None and not proving
+        ]
     verdict.said += _changed(plan)
     return verdict
 
@@ -212,7 +218,7 @@ def _plan(plan: Plan, missions: list[Instance], *, claims: bool) -> _Verdict:
 def _proof(plan: Plan, path: Path, verdict: _Verdict) -> None:
     """Whether the file proves the plan's optimality, or how far."""
     from ..certify.certificates import STAGE, TOLERANCE
-    from ..certify.plan_proof import check_plan_proof
+    from ..certify.plan_proof import check_plan_proof, digest_of
     from ..mission.errors import CheckError
 
     try:
@@ -221,7 +227,12 @@ def _proof(plan: Plan, path: Path, verdict: _Verdict) -> None:
         verdict.wrong.append(str(error))
         return
     verdict.said.append(f"{path}: {found.summary}")
+    digest = digest_of(path)
     for certificate in plan.certificates:
+        if certificate.proved is not None:
+            named = certificate.proved.digest
+            one = "the proof" if digest == named else f"not the proof (SHA-256 {named[:16]}…)"
+            verdict.said.append(f"{path}: {one} that the plan names")
         if certificate.stage == STAGE and certificate.model == found.objective:
             claimed = certificate.bound or 0.0
             if claimed > found.bound + Fraction(TOLERANCE) * found.value:

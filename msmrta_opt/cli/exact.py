@@ -51,15 +51,16 @@ def exact(
 
     The plan that --json writes carries its limits and what proves the root bound, so that
     `msmrta check --bound` can prove it again; what --proof writes proves all of the bound, and
-    `msmrta check PLAN --proof FILE` checks it.
+    `msmrta check PLAN --proof FILE` checks it. The plan then says so, and which file it is.
     """
     import time
 
     from ..mission.instance import Instance
     from ..planners import plan as make_plan
-    from ..planners.support.plan_proof import prove_plan, require_suffix
+    from ..planners.support.plan_proof import prove_plan, require_suffix, with_proof
     from ..routing.callbacks import Callbacks, SearchState
     from ..routing.parameters import Parameters
+    from .console import STANDARD_OUTPUT
     from .outputs import check_outputs, write_plan
     from .proofs import say_proof
     from .tables import show_plan
@@ -97,7 +98,14 @@ def exact(
         parameters=tuned,
         callbacks=Report(),
     )
-    write_plan(made, json, figure)
+    only_once = json == STANDARD_OUTPUT and proof is not None
+    write_plan(made, None if only_once else json, figure)
     show_plan(made)
     if proof is not None:
-        say_proof(str(proof), prove_plan(made, path=proof, time_limit=time_limit))
+        found = prove_plan(made, path=proof, time_limit=time_limit)
+        made = with_proof(made, found)
+        if only_once:
+            write_plan(made, json, None)
+        elif json is not None:
+            made.save(json)
+        say_proof(str(proof), found)

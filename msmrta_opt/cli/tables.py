@@ -149,7 +149,7 @@ def _certificates(plan: Plan) -> None:
             item.status,
             item.check,
             f"{item.solver} {item.version}",
-            item.proof,
+            item.how,
         )
         for item in plan.certificates
     ]

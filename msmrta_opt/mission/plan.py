@@ -24,7 +24,7 @@ from .metrics import Metrics, metrics_of
 from .plan_difference import PlanDifference
 from .plan_export import export_plan
 from .plan_tables import TABLES, VISIT_COLUMNS
-from .proof import Finite, LatencyProof, RootProof
+from .proof import Finite, LatencyProof, ProofFile, RootProof
 from .route import PlanRecord, Time
 from .route import Reason as Reason
 from .route import Route as Route
@@ -97,6 +97,7 @@ class Certificate(PlanRecord):
     ``bound`` and ``objective`` are in the model's own sense, ``gap`` is relative; ``proof`` says
     how the bound was obtained, ``check`` is the verdict of the independent check. ``root`` holds
     what proves the bound before branching, where the planner keeps it; for latency ``pricing`` does.
+    ``proved`` says what a file of its own proves to the last branch.
     """
 
     stage: str
@@ -118,6 +119,16 @@ class Certificate(PlanRecord):
     """Of the formulation's file; empty in files of before, and for a method that has none."""
     root: RootProof | None = None
     pricing: LatencyProof | None = None
+    proved: ProofFile | None = None
+
+    @property
+    def how(self) -> str:
+        """How the bound is known, in words: by a proof that anybody can check, or by a solver's."""
+        if self.proved is None:
+            return self.proof
+        if self.proved.status == "proved":
+            return self.proved.summary
+        return f"claimed by {self.proof}; {self.proved.summary}"
 
 
 class Plan(PlanRecord):
@@ -290,10 +301,12 @@ class Plan(PlanRecord):
         return read_model(cls, path)
 
     def same_as(self, other: Plan) -> bool:
-        """Whether both plans are the same but for the time that planning took."""
+        """Whether both plans are the same but for the time that planning and proving took."""
         mine, theirs = self.document(), other.document()
         for document in (mine, theirs):
             del document["planning_seconds"], document["search"]
+            for certificate in document["certificates"]:
+                del certificate["proved"]
         return mine == theirs
 
     def __repr__(self) -> str:

@@ -226,3 +226,29 @@ class LatencyTree(_Record):
     root: LatencyProof | None
     """``None`` where what follows from the requirements alone is enough."""
     leaves: tuple[LatencyLeaf, ...] = ()
+
+
+class ProofFile(_Record):
+    """What a file proves of a plan, to the last branch, and what that took; the file is apart.
+
+    ``digest`` is the file's SHA-256, ``size`` its bytes; seconds are of finding and of checking it.
+    """
+
+    status: Literal["proved", "partial"]
+    bound: Finite
+    digest: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    size: NonNegativeInt
+    leaves: NonNegativeInt
+    seconds: Time
+    check_seconds: Time
+    remark: str = ""
+    """Why not all is proved; empty if it is."""
+
+    @property
+    def summary(self) -> str:
+        """What is proved and what it took, in words."""
+        leaves = "1 leaf" if self.leaves == 1 else f"{self.leaves} leaves"
+        took = f"{leaves}, {self.size} bytes, {self.seconds:.1f} s"
+        if self.status == "proved":
+            return f"proved ({took})"
+        return f"proved up to {self.bound:.9g} ({took}): {self.remark}"

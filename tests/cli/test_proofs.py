@@ -143,8 +143,15 @@ def test_the_exact_planner_proves_its_plan_and_check_checks_it(
     assert f"{path}: proved (" in capsys.readouterr().out.replace("\n", "")
     assert cli.run(["check", path]) == 0
     assert "proved: minimum in [" in capsys.readouterr().out
+    assert cli.run(["check", plan]) == 0
+    assert "of its makespan is said: proved (2 leaves, " in capsys.readouterr().out
     assert cli.run(["check", plan, mission, "--proof", path]) == 0
-    assert "is optimal (" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "is optimal (" in shown
+    assert f"{path}: the proof that the plan names" in shown
+    Path(path).write_text(f"% of somebody else\n{Path(path).read_text()}")
+    assert cli.run(["check", plan, mission, "--proof", path]) == 0
+    assert f"{path}: not the proof (SHA-256 " in capsys.readouterr().out
     lines = Path(path).read_text().splitlines()
     at = next(i for i, line in enumerate(lines) if line.startswith("degree:"))
     lines[at] = lines[at].replace(" E 0 ", " E 1 ", 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import random
 import re
 from collections.abc import Callable
@@ -15,16 +16,17 @@ from support.amounts import sample
 from support.joint_cases import MAPS
 from support.joint_oracle import least
 
+from msmrta_opt.certify.certificates import claim_problems
 from msmrta_opt.certify.joint_proof import check_joint_proof
 from msmrta_opt.certify.vipr import verify
-from msmrta_opt.mission.errors import CheckError
+from msmrta_opt.mission.errors import CheckError, InputError
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.planners.support.explicit_model import problem_of
-from msmrta_opt.planners.support.plan_proof import prove_plan
+from msmrta_opt.planners.support.plan_proof import prove_plan, with_proof
 from msmrta_opt.proofs.stated import check_proof
 
 OBJECTIVES = ("total_time", "makespan")
@@ -138,6 +140,37 @@ def test_a_proof_that_is_stopped_proves_the_bound_of_its_open_tree(tmp_path: Pat
     at_once = prove_plan(branched(), path=path, time_limit=0)
     assert at_once.remark == "time limit"
     assert check_joint_proof(path, branched()).bound == at_once.exact_bound
+
+
+def test_a_plan_tells_what_is_proved_of_it_and_by_which_file(tmp_path: Path) -> None:
+    path, told = tmp_path / "proof.vipr", tmp_path / "plan.json"
+    for size, status in ((None, "proved"), (1, "partial")):
+        proof = prove_plan(branched(), path=path, size_limit=size)
+        plan = with_proof(branched(), proof)
+        plan.save(told)
+        assert Plan.read(told).same_as(branched())
+        (certificate,) = Plan.read(told).certificates
+        assert certificate.proved is not None
+        assert certificate.proved.status == status
+        assert certificate.proved.digest == hashlib.sha256(path.read_bytes()).hexdigest()
+        assert certificate.proved.size == path.stat().st_size
+        assert (certificate.proved.leaves, certificate.proved.bound) == (proof.leaves, proof.bound)
+        assert not claim_problems(plan)
+    assert certificate.how.startswith("claimed by branch and cut")
+    assert "; proved up to 232.5 (1 leaf, " in certificate.how
+    assert certificate.how.endswith("size limit")
+    # What is said to be proved must at least agree with the plan.
+    for changes, why in (
+        ({"bound": 260.0}, "260 is said to be proved, above"),
+        ({"status": "proved"}, "said to be proved at 250, above what is, 232.5"),
+    ):
+        said = certificate.proved.model_copy(update=changes)
+        wrong = certificate.model_copy(update={"proved": said})
+        (problem,) = claim_problems(plan.model_copy(update={"certificates": (wrong,)}))
+        assert why in problem
+    other = prove_plan(branched(), path=path, objective="total_time", time_limit=0)
+    with pytest.raises(InputError, match="no certificate that the proof could be of"):
+        with_proof(branched(), other)
 
 
 def test_a_certificate_speaks_of_time_units(lines: list[str], tmp_path: Path) -> None:

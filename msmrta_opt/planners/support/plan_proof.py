@@ -6,12 +6,12 @@ import math
 import time
 from pathlib import Path
 
-from ...certify.certificates import STAGE
-from ...certify.plan_proof import TREE, check_plan_proof
+from ...certify.certificates import STAGE, TOLERANCE
+from ...certify.plan_proof import TREE, check_plan_proof, digest_of
 from ...mission.errors import InputError
 from ...mission.files import write_text
 from ...mission.plan import Certificate, Plan, Route
-from ...mission.proof import LatencyTree
+from ...mission.proof import LatencyTree, ProofFile
 from ...proofs.prove import Proof
 from ...proofs.tree import Limits
 from ...routing.objectives import DEFAULT, Objective, objective_of
@@ -105,6 +105,44 @@ def prove_plan(
         check_seconds=time.perf_counter() - written,
         path=str(path),
     )
+
+
+def with_proof(plan: Plan, proof: Proof) -> Plan:
+    """`plan`, whose certificate says what is proved of it, and by which file.
+
+    Parameters
+    ----------
+    plan : Plan
+        One of the planner ``exact``.
+    proof : Proof
+        What `prove_plan` gave for it; its file is still there.
+
+    Raises
+    ------
+    InputError
+        If the plan has no certificate that it is of, or the file cannot be read.
+    """
+    values = {item.objective for item in plan.certificates if item.stage == STAGE}
+    if proof.bound is None or not any(
+        value is not None and math.isclose(value, proof.value or 0.0, rel_tol=TOLERANCE)
+        for value in values
+    ):
+        raise InputError("the plan has no certificate that the proof could be of", field="plan")
+    proved = ProofFile(
+        status="proved" if proof.status == "proved" else "partial",
+        bound=proof.bound,
+        digest=digest_of(proof.path),
+        size=proof.size,
+        leaves=proof.leaves,
+        seconds=proof.seconds,
+        check_seconds=proof.check_seconds,
+        remark=proof.remark,
+    )
+    certificates = tuple(
+        item.model_copy(update={"proved": proved}) if item.stage == STAGE else item
+        for item in plan.certificates
+    )
+    return plan.model_copy(update={"certificates": certificates})
 
 
 def _certificate(plan: Plan, aim: Objective, path: Path, limits: Limits) -> Found:
