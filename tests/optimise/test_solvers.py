@@ -614,6 +614,11 @@ def test_an_exception_in_the_process_is_an_error_that_says_what_it_was() -> None
 # ------------------------------------------------------------------------- integers for CP-SAT
 
 
+def test_coefficients_of_what_can_only_be_zero_are_no_integers_beyond_all_limits() -> None:
+    form = scaled(np.array([1e10, 1.5, -1e300]), np.array([0.0, 3.0, 0.0]))
+    assert (form.weights.tolist(), form.scale, form.error) == ([0, 3, 0], 2.0, 0.0)
+
+
 def test_fractions_are_multiplied_by_their_least_common_denominator() -> None:
     form = scaled(np.array([0.5, 1 / 3, -2.0]), np.array([1.0, 5.0, 7.0]))
     assert form.weights.tolist() == [3, 2, -12]

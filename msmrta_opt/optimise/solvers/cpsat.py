@@ -67,6 +67,7 @@ def scaled(coefficients: Floats, magnitudes: Floats, largest: float = LARGEST) -
     UnsupportedError
         If the coefficients need more digits than that leaves them.
     """
+    coefficients = np.where(magnitudes > 0, coefficients, 0.0)  # of what can only be 0 there is no limit
     size = float(np.abs(coefficients) @ magnitudes)
     scale = _denominator(coefficients)
     exact = scale is not None and scale * size <= largest
