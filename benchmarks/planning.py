@@ -144,9 +144,9 @@ def main() -> None:
     for n, m in ((4, 10), (ROBOTS[-1], VICTIMS[-1])):
         own = [row for (_, *size), row in rows.items() if size == [n, m]]
         names = ("to assignment", "floor", "ratio", "whole ratio")
-        whole, least, ratio, more = (statistics.median([row[x] for row in own]) for x in names)
+        whole, minimum, ratio, more = (statistics.median([row[x] for row in own]) for x in names)
         print(
-            f"{n} × {m}: to assignment {whole * 1e3:.1f} ms, floor {least * 1e3:.1f} ms,"
+            f"{n} × {m}: to assignment {whole * 1e3:.1f} ms, floor {minimum * 1e3:.1f} ms,"
             f" {ratio:.2f}× its floor; the whole call {more:.2f}× that"
         )
     size = np.log([n * m for _, n, m in rows])

@@ -165,9 +165,9 @@ def _some_continuous(random: Random, low: Floats, high: Floats) -> tuple[Floats,
     integer = np.ones(n, dtype=bool)
     integer[random.choice(n, k, replace=False)] = False
     # Vertices are many, so whole numbers are few.
-    width, most = (3, 4) if k == 2 else (5, 5)
+    width, maximum = (3, 4) if k == 2 else (5, 5)
     high = np.where(integer, np.minimum(high, low + width), high + 3)
-    for j in np.flatnonzero(integer)[most if high.max() > 1 else 9 :]:
+    for j in np.flatnonzero(integer)[maximum if high.max() > 1 else 9 :]:
         high[j] = low[j]
     return low, high, integer
 

@@ -54,11 +54,11 @@ def main() -> None:
             mission = mo.generate_mission(grid, arguments.robots, n_victims, seed=1, solvable=False)
             spent, plan = measure(mission, planner, limit)
             seconds.append(spent)
-            least = floor(plan)
+            minimum = floor(plan)
             gap = next((c.gap for c in plan.certificates if c.stage == "joint problem"), None)
             memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
             print(
-                f"{n_victims:7d}  {spent:7.2f}  {least:5.2f}  {spent / least:5.2f}"
+                f"{n_victims:7d}  {spent:7.2f}  {minimum:5.2f}  {spent / minimum:5.2f}"
                 f"  {plan.metrics.distance:12d}  {'-' if gap is None else f'{gap:.1%}'}"
                 f"  {memory:10.0f}",
                 flush=True,

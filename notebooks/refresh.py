@@ -29,7 +29,7 @@ from nbclient.output_widget import OutputWidget
 FOLDER = Path(__file__).resolve().parent
 VARIES = "varies"
 """Tag of a cell whose words need not be the same in the next run, as a table of timings."""
-MOST_BYTES = 400_000
+MAX_BYTES = 400_000
 PATIENCE_SECONDS = 3600
 """For a kernel that starts, or sends what it has, on however busy a machine; cells have no limit."""
 WIDGET = "application/vnd.jupyter.widget-view+json"
@@ -232,8 +232,8 @@ def faults(path: Path) -> list[str]:
             found.append(f"cell {name} shows a warning or log: {output.text.strip()[:200]}")
     if notebook != cleaned(notebook):
         found.append("kept with what differs from run to run")
-    if len(text.encode()) > MOST_BYTES:
-        found.append(f"{len(text.encode())} bytes; keep it to {MOST_BYTES}")
+    if len(text.encode()) > MAX_BYTES:
+        found.append(f"{len(text.encode())} bytes; keep it to {MAX_BYTES}")
     found += [f"names this machine: {match!r}" for match in _of_this_machine(notebook)]
     return found
 

@@ -116,5 +116,7 @@ def _nearest(members: list[Cell], own: set[int], component: Ints, one: Cell) -> 
     square = component[first[0] : (row + far) // n + 2, first[1] : (col + far) // n + 2]
     rows, cols = np.nonzero(np.isin(square, list(own)))
     rows, cols = rows + first[0], cols + first[1]
-    least = int(((n * rows - row) ** 2 + (n * cols - col) ** 2).argmin())  # row-major, so ties too
-    return int(rows[least]), int(cols[least])
+    minimum = int(
+        ((n * rows - row) ** 2 + (n * cols - col) ** 2).argmin()
+    )  # row-major, so ties too
+    return int(rows[minimum]), int(cols[minimum])

@@ -52,17 +52,17 @@ def check_latency_proof(proof: LatencyTree, plan: Plan) -> Verdict:
     if not proof.leaves:
         return Verdict("latency", value, bound, size)
     lists = [route_list(robot, priced.spare) for robot in priced.robots]
-    least = None
+    minimum = None
     for number, (allowed, leaf) in enumerate(_leaves(lists, priced, proof.leaves)):
         own = leaf_bound(joint, priced, lists, allowed, leaf, f"leaf {number}")
         if own is not None:
-            least = own if least is None else min(least, own)
+            minimum = own if minimum is None else min(minimum, own)
     n_routes = sum(len(routes.option) for routes in lists)
     size = f"{n_routes} routes listed, {len(proof.leaves)} leaves"
-    if least is None or least > priced.better:
+    if minimum is None or minimum > priced.better:
         bound = value
     else:
-        bound = max(bound, joint.up(least * priced.unit, "latency", value))
+        bound = max(bound, joint.up(minimum * priced.unit, "latency", value))
     return Verdict("latency", value, bound, size)
 
 

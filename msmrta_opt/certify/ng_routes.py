@@ -48,15 +48,15 @@ class Costed(Protocol):
 
 
 def last_services(
-    joint: Joint, robot: int, deadlines: Deadlines, most: Fraction
+    joint: Joint, robot: int, deadlines: Deadlines, maximum: Fraction
 ) -> dict[int, Fraction]:
-    """When a robot serves each of its victims at the latest, if no time is longer than `most`."""
+    """When a robot serves each of its victims at the latest, if no time is longer than `maximum`."""
     own = joint.victims_of[robot]
     longest = Fraction(0)
     for v in own:
         ways = [joint.leave[robot, v], *(joint.travel(robot, v, w) for w in own if w != v)]
-        longest += min(max(ways), most)
-        longest += min(sum(joint.service[v, k] for k in joint.kinds_of[robot, v]), most)
+        longest += min(max(ways), maximum)
+        longest += min(sum(joint.service[v, k] for k in joint.kinds_of[robot, v]), maximum)
     last = {}
     for v in own:
         limits = [longest]
@@ -108,8 +108,8 @@ class Network:
             raise CheckError(f"robot {robot} has too many tasks at victim {many[0]} to count with")
         self.options = [_options(able[v]) for v in victims]
         # What is longer may as well be as long: bounds only get lower.
-        most = step * _MAX_STEPS
-        latest = last_services(joint, robot, deadlines, most)
+        maximum = step * _MAX_STEPS
+        latest = last_services(joint, robot, deadlines, maximum)
         lasts = [math.floor(latest[v] / step) for v in victims]
         self.last = max(0, *lasts)
         n_options = max(map(len, self.options))
@@ -120,7 +120,7 @@ class Network:
             self.open[i, : len(self.options[i]), : max(last + 1, 0)] = True
 
         def steps(time: Fraction) -> int:
-            return min(math.floor(min(time, most) / step), self.last + 1)
+            return min(math.floor(min(time, maximum) / step), self.last + 1)
 
         self.service = [
             [
@@ -208,7 +208,7 @@ class States:
         self.longest = int(self.steps.max(initial=0))
 
     def forward(self, cost: Ints) -> Ints:
-        """Least cost of being done at each state at each step, ``(n, last + 1)``."""
+        """Minimum cost of being done at each state at each step, ``(n, last + 1)``."""
         n_steps = cost.shape[2]
         width = self.longest + n_steps
         done = np.full((self.n, width), NEVER)
@@ -224,7 +224,7 @@ class States:
         return done[:, self.longest :]
 
     def onward(self, cost: Ints) -> Ints:
-        """Least cost of going on from each state at each step, ``(n, last + 1 + longest)``."""
+        """Minimum cost of going on from each state at each step, ``(n, last + 1 + longest)``."""
         n_steps = cost.shape[2]
         width = n_steps + self.longest
         after = np.full((self.n, width), NEVER)
@@ -242,7 +242,7 @@ class States:
         return after
 
     def through(self, cost: Ints, there: Ints, legs: tuple[int, ...]) -> tuple[Ints, Ints]:
-        """Least cost of a path with a service, ``cost.shape``, or with a leg, of shape `legs`."""
+        """Minimum cost of a path with a service, ``cost.shape``, or with a leg, of shape `legs`."""
         service, leg = np.full(cost.shape, NEVER), np.full(legs, NEVER)
         if not len(self.head):
             return service, leg

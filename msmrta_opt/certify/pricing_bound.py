@@ -75,7 +75,7 @@ class Robot:
     cost: Ints
     """Of being done with every option at every step, ``(m, n_options, last + 1)``."""
     there: Ints
-    """Least cost of being at each state at each step."""
+    """Minimum cost of being at each state at each step."""
     cheapest: int
     """Of all paths; 0 if staying is."""
 
@@ -122,13 +122,13 @@ def price(joint: Joint, proof: LatencyProof, worth: Fraction) -> Priced | None:
         best = max(best, total * unit)
         if best > better:
             return None
-        most = math.floor(better / unit)
-        spare = most - total
+        maximum = math.floor(better / unit)
+        spare = maximum - total
         if number + 1 < len(proof.rounds):
             for robot in robots:
                 limit = min(spare + robot.cheapest, NEVER - 1)
                 robot.network.rule_out(robot.states, robot.cost, robot.there, limit)
-    return Priced(best, most, unit, spare, tuple(robots), tasks)
+    return Priced(best, maximum, unit, spare, tuple(robots), tasks)
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,9 +26,9 @@ from ..mission.errors import CheckError
 from .ng_routes import NEVER, Network, Task
 from .pricing_bound import Robot
 
-MOST_LABELS = 400_000
+MAX_LABELS = 400_000
 """Routes of a robot, finished or not, that are looked at."""
-MOST_AT_ONCE = 4_000_000
+MAX_AT_ONCE = 4_000_000
 """Ways on from them."""
 COMPARED = 30
 """Routes of its like that a route is held against."""
@@ -87,7 +87,7 @@ def route_list(robot: Robot, spare: int) -> RouteList:
     total = 1
     while len(layer):
         count = np.diff(first)[layer.state]
-        if count.sum() > MOST_AT_ONCE:
+        if count.sum() > MAX_AT_ONCE:
             raise _too_many(network)
         row = np.repeat(np.arange(len(layer)), count)
         nth = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
@@ -104,7 +104,7 @@ def route_list(robot: Robot, spare: int) -> RouteList:
         served[here, to], done[here, to] = option, clock
         layer = _Labels(head, clock, cost, served, done).undominated(to)
         total += len(layer)
-        if total > MOST_LABELS:
+        if total > MAX_LABELS:
             raise _too_many(network)
         finished.append(layer.take(layer.cost <= limit))
     every = _Labels.joined(finished)

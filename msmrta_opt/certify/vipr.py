@@ -35,7 +35,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import BinaryIO
 
-MOST_DIGITS = 100_000  # of a number
+MAX_DIGITS = 100_000  # of a number
 LONGEST_WORD = 1_000_000  # characters
 
 Number = int | Fraction
@@ -213,7 +213,7 @@ class Reader:
         """`word` as an integer."""
         if not (word.isdigit() or (word[:1] == b"-" and word[1:].isdigit())):
             raise self.refusal(f"{_shown(word)} where {what} should be, an integer")
-        if len(word) > MOST_DIGITS:
+        if len(word) > MAX_DIGITS:
             raise self.refusal(f"{len(word)} digits for {what}")
         return int(word)
 
@@ -557,7 +557,7 @@ def verify(path: str, admit: Callable[[Certificate], object] | None = None) -> C
     if os.path.exists(path) and not os.path.isfile(path):
         raise OSError(0, "not a regular file")
     digits = sys.get_int_max_str_digits()
-    sys.set_int_max_str_digits(0)  # longer numbers than `MOST_DIGITS` are refused before
+    sys.set_int_max_str_digits(0)  # longer numbers than `MAX_DIGITS` are refused before
     try:
         with open(path, "rb") as file:
             reader = Reader(file)

@@ -24,10 +24,10 @@ def exact(
     ] = 60.0,
     gap: Annotated[float, typer.Option(help="Relative gap to stop at, 0 to 1.")] = 0.0,
     endurance: Annotated[
-        float | None, typer.Option(help="Most time units that a robot may be busy.")
+        float | None, typer.Option(help="Maximum time units that a robot may be busy.")
     ] = None,
     longest_walk: Annotated[
-        float | None, typer.Option(help="Most cells that a robot may walk.")
+        float | None, typer.Option(help="Maximum cells that a robot may walk.")
     ] = None,
     return_to_start: Annotated[
         bool, typer.Option("--return/--open", help="Whether robots walk back to their starts.")

@@ -56,7 +56,9 @@ def generate(
     ] = None,
     room: Annotated[
         int | None,
-        typer.Option(help="rooms: least side of a room in cells; most is twice.  [default: 4]"),
+        typer.Option(
+            help="rooms: minimum side of a room in cells; the maximum is twice that.  [default: 4]"
+        ),
     ] = None,
     density: Annotated[
         float | None, typer.Option(help="rubble: share of blocked cells.  [default: 0.2]")

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..mission.plan import Plan
     from ..mission.run import Run
 
-MOST_PLANS = 2
+MAX_PLANS = 2
 
 
 def register(app: typer.Typer) -> None:
@@ -63,7 +63,7 @@ def replay(
 
         check_ffmpeg(mp4)
     plans, missions = _read(files)
-    if not 1 <= len(plans) <= MOST_PLANS:
+    if not 1 <= len(plans) <= MAX_PLANS:
         raise InputError(f"{len(plans)} plans; give one or two", field="PLAN")
     for file, plan in plans.items():
         _check(file, plan, missions)

@@ -190,8 +190,8 @@ class _System:
         self._restrict(members)
         self._highs.setOptionValue("time_limit", max(self.deadline - time.perf_counter(), 0.0))
         free = self.own.integer & ~(np.isfinite(self.own.lower) & np.isfinite(self.own.upper))
-        most = NODES_OF_FREE_INTEGERS if free.any() else 2**31 - 1
-        self._highs.setOptionValue("mip_max_nodes", most if nodes is None else nodes)
+        maximum = NODES_OF_FREE_INTEGERS if free.any() else 2**31 - 1
+        self._highs.setOptionValue("mip_max_nodes", maximum if nodes is None else nodes)
         self._highs.setOptionValue("time_limit", max(self.deadline - time.perf_counter(), 0.0))
         self._highs.setOptionValue("mip_max_nodes", 2**31 - 1 if nodes is None else nodes)
         self._highs.run()
@@ -320,12 +320,12 @@ def _middle(chunk: Ints, borders: Ints) -> int:
     return int(cuts[np.abs(cuts - half).argmin()]) if len(cuts) else half
 
 
-def shortened(members: list[str], most: int = 4) -> Iterator[str]:
+def shortened(members: list[str], maximum: int = 4) -> Iterator[str]:
     """The members, of runs that differ in their numbers alone only the first two and a count."""
     for _, run in groupby(members, key=lambda member: re.sub(r"\d+", "#", member)):
         alike = list(run)
-        yield from alike if len(alike) <= most else alike[:2]
-        if len(alike) > most:
+        yield from alike if len(alike) <= maximum else alike[:2]
+        if len(alike) > maximum:
             yield f"… and {len(alike) - 2} more like these"
 
 
@@ -357,7 +357,13 @@ def _conflict(
 
 def bound_name(program: Program, column: int, lower: bool, upper: bool) -> str:
     """The sides of a variable's bounds that conflict: ``x[0,2] ≤ 0``."""
-    name, least, most = program.column_name(column), program.lower[column], program.upper[column]
+    name, minimum, maximum = (
+        program.column_name(column),
+        program.lower[column],
+        program.upper[column],
+    )
     if lower and upper:
-        return f"{name} = {least:g}" if least == most else f"{least:g} ≤ {name} ≤ {most:g}"
-    return f"{name} ≥ {least:g}" if lower else f"{name} ≤ {most:g}"
+        return (
+            f"{name} = {minimum:g}" if minimum == maximum else f"{minimum:g} ≤ {name} ≤ {maximum:g}"
+        )
+    return f"{name} ≥ {minimum:g}" if lower else f"{name} ≤ {maximum:g}"

@@ -145,17 +145,17 @@ class Difference:
         return found
 
 
-def _listed(title: str, lines: list[str], most: int = 12) -> list[str]:
+def _listed(title: str, lines: list[str], maximum: int = 12) -> list[str]:
     if not lines:
         return []
     shown = list(shortened(lines))
-    more = [f"  … and {len(shown) - most} more"] if len(shown) > most else []
-    return [f"{title} ({len(lines)}):", *(f"  {line}" for line in shown[:most]), *more]
+    more = [f"  … and {len(shown) - maximum} more"] if len(shown) > maximum else []
+    return [f"{title} ({len(lines)}):", *(f"  {line}" for line in shown[:maximum]), *more]
 
 
-def _few(changes: tuple[str, ...], most: int = 4) -> list[str]:
-    more = len(changes) - most
-    return [*changes[:most], f"and {more} more"] if more > 0 else list(changes)
+def _few(changes: tuple[str, ...], maximum: int = 4) -> list[str]:
+    more = len(changes) - maximum
+    return [*changes[:maximum], f"and {more} more"] if more > 0 else list(changes)
 
 
 def _transfer(a: str, b: str, found: Transfer) -> str:

@@ -26,7 +26,7 @@ TOO_LARGE = 1e15
 FAR = 1e9
 """Bounds of integers from this on are as good as none."""
 
-MOST = 12
+MAX = 12
 """Hazards that are told in words."""
 
 Kind = Literal["big-M", "range", "costs", "dropped", "too large", "free integer"]
@@ -68,8 +68,8 @@ def hazards_text(found: tuple[Hazard, ...]) -> str:
     for item in found:
         more = f" (and {item.count - 1} more of '{item.label}')" if item.count > 1 else ""
         lines.append(f"  {item.where}: {item.text}{more}")
-    rest = [f"  … and {len(lines) - MOST} more"] if len(lines) > MOST else []
-    return "\n".join(["Numerically dangerous:", *lines[:MOST], *rest])
+    rest = [f"  … and {len(lines) - MAX} more"] if len(lines) > MAX else []
+    return "\n".join(["Numerically dangerous:", *lines[:MAX], *rest])
 
 
 def _rows(program: Program) -> Iterator[tuple[float, Hazard]]:
@@ -148,12 +148,12 @@ def _costs(program: Program) -> Iterator[tuple[float, Hazard]]:
     there = np.flatnonzero(size)
     if not len(there):
         return
-    least, most = (int(there[f(size[there])]) for f in (np.argmin, np.argmax))
-    ratio = size[most] / size[least]
+    minimum, maximum = (int(there[f(size[there])]) for f in (np.argmin, np.argmax))
+    ratio = size[maximum] / size[minimum]
     if ratio > WIDE:
         text = (
-            f"costs from {size[least]:g} ({program.column_name(least)}) to {size[most]:g} "
-            f"({program.column_name(most)}): differences of the small ones are below a solver's gap"
+            f"costs from {size[minimum]:g} ({program.column_name(minimum)}) to {size[maximum]:g} "
+            f"({program.column_name(maximum)}): differences of the small ones are below a solver's gap"
         )
         yield float(ratio), Hazard("costs", "objective", "objective", text)
 

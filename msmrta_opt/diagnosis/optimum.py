@@ -30,7 +30,7 @@ class Constraint:
     least_slack: float | None
     """Of the rows that do not bind; ``None`` if all do."""
     duals: tuple[float, float] | None
-    """The least and the largest dual value, where they exist."""
+    """The smallest and the largest dual value, where they exist."""
 
 
 @dataclass(frozen=True)
@@ -107,16 +107,16 @@ class Optimum:
         if with_duals:
             lines.append("What one more of a side would change:")
             with_duals.sort(key=lambda row: -abs(row.dual or 0.0))
-            lines += [f"  {row.name}: {row.dual:+.6g}" for row in with_duals[:MOST_ROWS]]
-            if len(with_duals) > MOST_ROWS:
-                lines.append(f"  … and {len(with_duals) - MOST_ROWS} more")
+            lines += [f"  {row.name}: {row.dual:+.6g}" for row in with_duals[:MAX_ROWS]]
+            if len(with_duals) > MAX_ROWS:
+                lines.append(f"  … and {len(with_duals) - MAX_ROWS} more")
         if self.ranges:
             lines.append("How far the parameters may go:")
             lines += [f"  {item.text}" for item in self.ranges]
         return "\n".join(lines)
 
 
-MOST_ROWS = 12
+MAX_ROWS = 12
 """Rows that the text shows, those with the largest dual values."""
 
 

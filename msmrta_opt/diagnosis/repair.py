@@ -86,7 +86,7 @@ def repair(
     weights: Mapping[str, float] | None = None,
     time_limit: float | None = None,
 ) -> Repair:
-    """The repair of least cost of `program`.
+    """The minimum-cost repair of `program`.
 
     Parameters
     ----------

@@ -152,12 +152,12 @@ def _changed(a: dict[str, Any], b: dict[str, Any]) -> list[str]:
     return found
 
 
-def _counted(what: str, names: list[str], most: int = 6) -> list[str]:
+def _counted(what: str, names: list[str], maximum: int = 6) -> list[str]:
     if not names:
         return []
     shown = list(shortened(names))
-    more = [f"  … and {len(shown) - most} more"] if len(shown) > most else []
-    return [f"{what} ({len(names)}):", *(f"  {name}" for name in shown[:most]), *more]
+    more = [f"  … and {len(shown) - maximum} more"] if len(shown) > maximum else []
+    return [f"{what} ({len(names)}):", *(f"  {name}" for name in shown[:maximum]), *more]
 
 
 def _result(found: Solution) -> str:

@@ -116,9 +116,9 @@ class WhyNot:
         return "\n".join(parts)
 
 
-def _first(lines: list[str], most: int = 12) -> list[str]:
-    more = len(lines) - most
-    return [*lines[:most], f"  … and {more} more"] if more > 0 else lines
+def _first(lines: list[str], maximum: int = 12) -> list[str]:
+    more = len(lines) - maximum
+    return [*lines[:maximum], f"  … and {more} more"] if more > 0 else lines
 
 
 def why_not(

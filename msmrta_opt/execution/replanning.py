@@ -146,7 +146,7 @@ class Remaining:
         return routes
 
     def repaired(self) -> Routes:
-        """The visits that robots were to make, and what nobody was to do where it adds least travel.
+        """The visits that robots were to make, and what nobody was to do where it adds minimum travel.
 
         Of all open requirements and robots that can serve them, the pair that adds the least comes
         first (ties: first robot, then first victim); the robot takes all that it can serve there.
@@ -239,7 +239,7 @@ class Remaining:
 def cheapest(
     data: RoutingData, robot: int, route: Sequence[tuple[int, tuple[int, ...]]], victim: int
 ) -> tuple[float, int]:
-    """The least travel that a visit adds to a route, and its place; nothing where there is one."""
+    """The minimum travel that a visit adds to a route, and its place; nothing where there is one."""
     victims = [v for v, _ in route]
     if victim in victims:
         return 0.0, victims.index(victim)

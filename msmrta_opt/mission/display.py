@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable, Mapping, Sequence
 
-MOST_ROWS = 30
+MAX_ROWS = 30
 """Of a table; of a longer one the first are shown, and how many there are."""
 
 
@@ -19,13 +19,13 @@ def paragraph(text: str) -> str:
     return f"<p>{html.escape(text)}</p>" if text else ""
 
 
-def table(caption: str, rows: Sequence[Mapping[str, object]], *, most: int = MOST_ROWS) -> str:
+def table(caption: str, rows: Sequence[Mapping[str, object]], *, maximum: int = MAX_ROWS) -> str:
     """The rows as a table, its columns the keys of the first; nothing if there are none."""
     if not rows:
         return ""
     head = "".join(f"<th>{html.escape(name)}</th>" for name in rows[0])
-    body = [f"<tr>{''.join(map(_cell, row.values()))}</tr>" for row in rows[:most]]
-    more = f" (the first {most} of {len(rows)})" if len(rows) > most else ""
+    body = [f"<tr>{''.join(map(_cell, row.values()))}</tr>" for row in rows[:maximum]]
+    more = f" (the first {maximum} of {len(rows)})" if len(rows) > maximum else ""
     return "\n".join(
         [
             "<table>",
@@ -50,11 +50,11 @@ def short(value: object) -> str:
     return str(value)
 
 
-def listed(values: Iterable[object], most: int = 8) -> str:
+def listed(values: Iterable[object], maximum: int = 8) -> str:
     """The first of `values`, and how many more there are."""
     every = [short(value) for value in values]
-    more = f" and {len(every) - most} more" if len(every) > most else ""
-    return ", ".join(every[:most]) + more
+    more = f" and {len(every) - maximum} more" if len(every) > maximum else ""
+    return ", ".join(every[:maximum]) + more
 
 
 def counted(number: int, noun: str) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from os import PathLike
 from typing import Any
 
-MOST_MISTAKES = 10
+MAX_MISTAKES = 10
 """Of one file that are told at once."""
 
 
@@ -82,8 +82,8 @@ class MistakesError(InputError):
 
 
 def all_of(errors: Sequence[InputError]) -> InputError:
-    """The first of `errors`, up to `MOST_MISTAKES`, as one."""
-    return errors[0] if len(errors) == 1 else MistakesError(errors[:MOST_MISTAKES])
+    """The first of `errors`, up to `MAX_MISTAKES`, as one."""
+    return errors[0] if len(errors) == 1 else MistakesError(errors[:MAX_MISTAKES])
 
 
 class ModelError(MsmrtaError):

@@ -29,7 +29,7 @@ LARGEST_MIB = 64
 """Size of the largest text that is read."""
 DEEPEST = 100
 """Levels of lists and tables within each other."""
-MOST_DIGITS = 300
+MAX_DIGITS = 300
 """Of a whole number; a longer one is beyond the range of a float."""
 
 
@@ -112,7 +112,7 @@ def parse_json(text: str) -> Any:
     Raises
     ------
     InputError
-        If it is broken, a key is given twice, a number is not finite or has more than `MOST_DIGITS`
+        If it is broken, a key is given twice, a number is not finite or has more than `MAX_DIGITS`
         digits, or it is nested deeper than `DEEPEST`.
     """
     return _parsed(text, "JSON", lambda text: json.loads(text, object_pairs_hook=_table))
@@ -180,7 +180,7 @@ def _parsed(text: str, language: str, parse: Callable[[str], Any]) -> Any:
         if type(error) is not ValueError:  # the parser's own
             raise InputError(f"broken {language}: {error}") from None
         # Python reads no number of so many digits, and does not say where it stands.
-        found = re.search(rf"[\d_]{{{MOST_DIGITS + 1},}}", text)
+        found = re.search(rf"[\d_]{{{MAX_DIGITS + 1},}}", text)
         line = text.count("\n", 0, found.start() if found else 0) + 1
         raise InputError(_too_many_digits(), field=f"line {line}") from None
     if fault is not None:
@@ -208,7 +208,7 @@ Fault = tuple[tuple[str | int, ...], str]
 def _fault(value: Any, depth: int = 0) -> Fault | None:
     """The first place in a document at which something cannot be taken, and what."""
     if isinstance(value, int):
-        return None if abs(value) < 10**MOST_DIGITS else ((), _too_many_digits())
+        return None if abs(value) < 10**MAX_DIGITS else ((), _too_many_digits())
     if isinstance(value, float):
         return None if math.isfinite(value) else ((), f"{shown(value)}; give a finite number")
     if isinstance(value, str):
@@ -230,7 +230,7 @@ def _is_unicode(text: str) -> bool:
 
 
 def _too_many_digits() -> str:
-    return f"a number of more than {MOST_DIGITS} digits; give fewer"
+    return f"a number of more than {MAX_DIGITS} digits; give fewer"
 
 
 def write_with(path: str | Path, write: Callable[[Path], None]) -> None:

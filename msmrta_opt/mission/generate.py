@@ -274,11 +274,11 @@ def _kinds_without_a_robot(needs: Ints, n_unmeetable: int, kinds: int) -> int:
     if not n_unmeetable:
         return 0
     count = next(n for n in range(1, kinds + 1) if np.minimum(needs, n).sum() >= n_unmeetable)
-    least = int(np.maximum(needs - (kinds - count), 0).sum())
-    if least > n_unmeetable:
+    minimum = int(np.maximum(needs - (kinds - count), 0).sum())
+    if minimum > n_unmeetable:
         raise InputError(
             f"{n_unmeetable} requirements of kinds that no robot has, but with {count} such of "
-            f"{kinds} kinds at least {least} are; give more kinds, or fewer requirements a victim",
+            f"{kinds} kinds at least {minimum} are; give more kinds, or fewer requirements a victim",
             field="unmeetable",
         )
     return count
@@ -288,22 +288,22 @@ def _capabilities(
     had: Ints, n_robots: int, per_robot: Range, kinds: int, random: np.random.RandomState
 ) -> Bools:
     """P, shape ``(n_robots, kinds)``: every kind of `had` with at least one robot."""
-    least, most = per_robot
-    if most > len(had):
+    minimum, maximum = per_robot
+    if maximum > len(had):
         raise InputError(
-            f"up to {most} kinds a robot, where only {len(had)} of {kinds} are to be had by any; "
+            f"up to {maximum} kinds a robot, where only {len(had)} of {kinds} are to be had by any; "
             "give a lower range or more kinds",
             field="per_robot",
         )
-    if n_robots * most < len(had):
+    if n_robots * maximum < len(had):
         raise InputError(
-            f"{len(had)} kinds, but {n_robots} robots with at most {most} each have only "
-            f"{n_robots * most}; give fewer kinds, more robots or more kinds a robot",
+            f"{len(had)} kinds, but {n_robots} robots with at most {maximum} each have only "
+            f"{n_robots * maximum}; give fewer kinds, more robots or more kinds a robot",
             field="kinds",
         )
-    counts = random.randint(least, most + 1, size=n_robots, dtype=np.int64)
+    counts = random.randint(minimum, maximum + 1, size=n_robots, dtype=np.int64)
     while counts.sum() < len(had):
-        wanting = np.flatnonzero(counts < most)
+        wanting = np.flatnonzero(counts < maximum)
         counts[wanting[random.randint(len(wanting), dtype=np.int64)]] += 1
     P = np.zeros((n_robots, kinds), dtype=bool)  # noqa: N806 - the paper's name
     # Each kind once, to random robots; then each robot's other kinds.
@@ -325,10 +325,10 @@ def _requirements(
 ) -> Bools:
     """Q, shape ``(n_victims, kinds)``: `needs` kinds a victim, `n_unmeetable` of them lacking."""
     n_victims = len(needs)
-    least, most = np.maximum(needs - len(had), 0), np.minimum(needs, len(lacking))
-    slots = random.permutation(np.repeat(np.arange(n_victims), most - least))
-    chosen = slots[: n_unmeetable - int(least.sum())]
-    unmet = least + np.bincount(chosen, minlength=n_victims)
+    minimum, maximum = np.maximum(needs - len(had), 0), np.minimum(needs, len(lacking))
+    slots = random.permutation(np.repeat(np.arange(n_victims), maximum - minimum))
+    chosen = slots[: n_unmeetable - int(minimum.sum())]
+    unmet = minimum + np.bincount(chosen, minlength=n_victims)
     Q = np.zeros((n_victims, kinds), dtype=bool)  # noqa: N806 - the paper's name
     for v in range(n_victims):
         Q[v, random.permutation(lacking)[: unmet[v]]] = True

@@ -54,7 +54,7 @@ def rooms(n_rows: int, n_cols: int, *, seed: int, room: int = 4, openings: float
         If a number is out of range.
     """
     if not 3 <= room <= LONGEST_SIDE:
-        raise InputError(f"{room!r}; give the least side of a room, 3 or more", field="room")
+        raise InputError(f"{room!r}; give the minimum side of a room, 3 or more", field="room")
     _check_size(n_rows, n_cols, room + 2, f"for rooms of {room} and the outer wall")
     check_share(openings, "openings")
     random = random_stream(seed, "rooms")
@@ -162,13 +162,13 @@ def with_pocket(grid: GridMap, n_cells: int, *, seed: int) -> GridMap:
             f"{len(cells) // 4} can be, and no fewer than 1: give another number, or a larger map",
             field="pocket",
         )
-    most = min(3 * n_cells + 20, len(cells) // 4)
+    maximum = min(3 * n_cells + 20, len(cells) // 4)
     starts = random_stream(seed, "pocket").permutation(len(cells))[:_STARTS_TRIED]
     inside = frozenset(cells)
     grown = dict.fromkeys(
         (size, border)
         for start in starts
-        for size, border in _growth(inside, cells[start], most)
+        for size, border in _growth(inside, cells[start], maximum)
         if size >= n_cells
     )
     ways = convolve(region.astype(np.int64), _CROSS, mode="constant")
@@ -242,10 +242,10 @@ def check_share(share: float, field: str) -> None:
         raise InputError(f"{share!r}; give a number from 0 to 1", field=field)
 
 
-def _check_size(n_rows: int, n_cols: int, least: int, what: str) -> None:
-    if not (least <= n_rows <= LONGEST_SIDE and least <= n_cols <= LONGEST_SIDE):
+def _check_size(n_rows: int, n_cols: int, minimum: int, what: str) -> None:
+    if not (minimum <= n_rows <= LONGEST_SIDE and minimum <= n_cols <= LONGEST_SIDE):
         raise InputError(
-            f"{n_rows}x{n_cols}; give {least} to {LONGEST_SIDE} rows and columns {what}",
+            f"{n_rows}x{n_cols}; give {minimum} to {LONGEST_SIDE} rows and columns {what}",
             field="size",
         )
 
@@ -281,9 +281,9 @@ def _cut(area: Area, axis: int, span: Span) -> Area:
     return (span, area[1]) if axis == 0 else (area[0], span)
 
 
-def _between(random: np.random.RandomState, least: int, most: int) -> int:
+def _between(random: np.random.RandomState, minimum: int, maximum: int) -> int:
     # The default type is the platform's.
-    return int(random.randint(least, most + 1, dtype=np.int64))
+    return int(random.randint(minimum, maximum + 1, dtype=np.int64))
 
 
 def _with_doors(
@@ -312,7 +312,7 @@ def _with_doors(
     joins, first, join_of = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
     n_rooms = 2 - is_corridor[joins].sum(axis=1)
     weight = 1 + random.permutation(len(joins)) + len(joins) * n_rooms
-    # All weights differ, so there is one least tree, whatever the algorithm.
+    # All weights differ, so there is one minimum tree, whatever the algorithm.
     graph = coo_array((weight.astype(float), tuple(joins.T)), shape=(len(is_corridor),) * 2)
     opened = np.isin(weight, minimum_spanning_tree(graph).data) | (n_rooms == 0)
     apart = random.permutation(np.flatnonzero(~opened))
@@ -337,7 +337,7 @@ def _walls_between(labels: Ints) -> tuple[Ints, Ints]:
 
 
 def _growth(
-    region: frozenset[Cell], start: Cell, most: int
+    region: frozenset[Cell], start: Cell, maximum: int
 ) -> Iterator[tuple[int, tuple[Cell, ...]]]:
     """Parts that grow from `start`: how many cells, and the cells of `region` around them."""
     seen = {start}
@@ -348,7 +348,7 @@ def _growth(
         beside = ((row - 1, col), (row, col - 1), (row, col + 1), (row + 1, col))
         return [other for other in beside if other in region]
 
-    for size in range(1, most + 1):
+    for size in range(1, maximum + 1):
         cell = min(border, key=border.__getitem__)
         del border[cell]
         found = [other for other in around(cell) if other not in seen]

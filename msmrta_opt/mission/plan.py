@@ -42,7 +42,7 @@ FORMAT: Literal["msmrta-plan/1"] = "msmrta-plan/1"
 
 Limit = Literal["endurance", "longest_walk", "return_to_start"]
 LIMITS: tuple[Limit, ...] = get_args(Limit)
-"""Most time units that a robot is busy; most cells that it walks; whether it ends where it began."""
+"""Maximum time units that a robot is busy, and cells that it walks; whether it ends where it began."""
 
 
 class Cluster(PlanRecord):

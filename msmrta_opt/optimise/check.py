@@ -65,7 +65,7 @@ class Point:
         return cls(x, _violations(program, x, missed, allowed, 3), _share(program, x, missed))
 
 
-def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
+def violations(program: Program, x: Floats, *, maximum: int = 3) -> list[str]:
     """What is wrong with `x` as a solution of `program`, worst first; empty if nothing is.
 
     Parameters
@@ -74,34 +74,34 @@ def violations(program: Program, x: Floats, *, most: int = 3) -> list[str]:
         The arrays to check against.
     x : float array, shape (n_columns,)
         The point.
-    most : int
+    maximum : int
         How many to name.
     """
     if x.shape != (program.n_columns,) or not np.isfinite(x).all():
         return [f"the point has shape {x.shape} or values that are not finite"]
-    return _violations(program, x, *row_misses(program, x), most)
+    return _violations(program, x, *row_misses(program, x), maximum)
 
 
 def _violations(
-    program: Program, x: Floats, missed: Floats, allowed: Floats, most: int
+    program: Program, x: Floats, missed: Floats, allowed: Floats, maximum: int
 ) -> list[str]:
     found: list[tuple[float, str]] = []
     wrong = ~(missed <= allowed)
     found.extend(
         (float(missed[i]), f"row '{program.row_name(int(i))}' is missed by {missed[i]:.2g}")
-        for i in _worst(missed, wrong, most)
+        for i in _worst(missed, wrong, maximum)
     )
     outside = np.maximum(program.lower - x, x - program.upper) / (1.0 + np.abs(x))
     found.extend(
         (outside[j], f"{program.column_name(j)} = {x[j]:g} is outside its bounds")
-        for j in _worst(outside, ~(outside <= TOLERANCE), most)
+        for j in _worst(outside, ~(outside <= TOLERANCE), maximum)
     )
     fraction = np.where(program.integer, np.abs(x - np.round(x)), 0.0)
     found.extend(
         (fraction[j], f"{program.column_name(j)} = {x[j]:g} is not integral")
-        for j in _worst(fraction, ~(fraction <= TOLERANCE), most)
+        for j in _worst(fraction, ~(fraction <= TOLERANCE), maximum)
     )
-    return [text for _, text in sorted(found, key=lambda item: -item[0])[:most]]
+    return [text for _, text in sorted(found, key=lambda item: -item[0])[:maximum]]
 
 
 def _share(program: Program, x: Floats, missed: Floats) -> float:
@@ -184,13 +184,13 @@ def _missed_in_integers(program: Program, x: Floats, row: int) -> float:
     return float(max(below, above))
 
 
-def _worst(missed: Floats, wrong: Bools, most: int) -> list[int]:
+def _worst(missed: Floats, wrong: Bools, maximum: int) -> list[int]:
     """Positions of what is wrong, or not a number, worst first."""
     if not wrong.any():
         return []
     places = np.flatnonzero(wrong)
     by_how_much = np.where(np.isnan(missed[places]), np.inf, missed[places])
-    return [int(i) for i in places[np.argsort(-by_how_much, kind="stable")][:most]]
+    return [int(i) for i in places[np.argsort(-by_how_much, kind="stable")][:maximum]]
 
 
 def proves_infeasible(program: Program, ray: Floats) -> bool:
@@ -280,15 +280,15 @@ def dual_bound(program: Program, duals: Floats) -> float:
     duals, of_rows = _leaning(duals, program.row_lower, program.row_upper, rounding)
     reduced = program.sign * program.cost - program.matrix.T @ duals
     left, of_columns = _leaning(reduced, program.lower, program.upper, rounding)
-    least = of_rows + of_columns
+    minimum = of_rows + of_columns
     parts = np.abs(program.cost) + np.abs(program.matrix).T @ np.abs(duals)
     parts = np.where(left == 0, 0.0, parts)
     size = parts @ _largest_end(program.lower, program.upper)
     size += np.abs(duals) @ _largest_end(program.row_lower, program.row_upper)
     error = PRECISION * float(size)
-    if error > TIGHT * abs(least):
-        least -= error
-    return program.sign * least + program.offset
+    if error > TIGHT * abs(minimum):
+        minimum -= error
+    return program.sign * minimum + program.offset
 
 
 def _largest_end(lower: Floats, upper: Floats) -> Floats:
@@ -300,7 +300,7 @@ def _largest_end(lower: Floats, upper: Floats) -> Floats:
 def _leaning(weight: Floats, lower: Floats, upper: Floats, rounding: float) -> tuple[Floats, float]:
     """`weight` without what leans on an infinite side by no more than rounding, and what it proves.
 
-    That is the least value of ``weight @ z`` over ``lower ≤ z ≤ upper``.
+    That is the minimum of ``weight @ z`` over ``lower ≤ z ≤ upper``.
     """
     side = np.where(weight > 0, lower, upper)
     weight = np.where(np.isinf(side) & (np.abs(weight) <= rounding), 0.0, weight)

@@ -20,7 +20,7 @@ from .solution import Solution
 from .solve import solve_program
 
 STEP = 1e-6
-"""Least difference of two points, relative, where the data are not rational."""
+"""Minimum difference of two points, relative, where the data are not rational."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +42,8 @@ class Frontier:
     complete: bool
 
 
-def frontier(family: Family, envelope: Envelope, *, most: int = 500) -> Frontier:
-    """Every point that nothing dominates, up to `most`.
+def frontier(family: Family, envelope: Envelope, *, maximum: int = 500) -> Frontier:
+    """Every point that nothing dominates, up to `maximum`.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def frontier(family: Family, envelope: Envelope, *, most: int = 500) -> Frontier
     """
     points: list[Point] = []
     limit: Fraction | None = None
-    while len(points) < most and not interrupted():
+    while len(points) < maximum and not interrupted():
         line = _best(family, limit)
         if line is None:
             return Frontier(tuple(points), complete=True)
@@ -119,8 +119,8 @@ def _is_supported(line: Line, envelope: Envelope, exact: bool) -> bool:
     return False
 
 
-def optima(family: Family, t: Fraction, *, most: int = 20) -> tuple[list[Line], bool]:
-    """All optimal points at `t`, up to `most`, and whether these are all.
+def optima(family: Family, t: Fraction, *, maximum: int = 20) -> tuple[list[Line], bool]:
+    """All optimal points at `t`, up to `maximum`, and whether these are all.
 
     Points that differ only in continuous variables count once.
     """
@@ -133,7 +133,7 @@ def optima(family: Family, t: Fraction, *, most: int = 20) -> tuple[list[Line], 
     program = _at_least_as_good(program, program.cost, best, slack)
     found: list[Line] = []
     point: Floats | None = first
-    while point is not None and len(found) < most:
+    while point is not None and len(found) < maximum:
         found.append(family.line(point))
         # At least one binary variable differs from each point found.
         ones = program.integer & (point > 0.5)

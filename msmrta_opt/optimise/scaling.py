@@ -67,17 +67,19 @@ def _equilibrated(program: Program) -> tuple[Floats, Floats]:
     row, column = np.zeros(program.n_rows), np.zeros(program.n_columns)
     # A column is not divided by more than it can reach: its bounds would fall below all tolerances.
     reach = np.maximum(np.abs(program.lower), np.abs(program.upper))
-    most = np.log2(reach, where=(reach > 0) & np.isfinite(reach), out=np.full(len(reach), np.inf))
+    maximum = np.log2(
+        reach, where=(reach > 0) & np.isfinite(reach), out=np.full(len(reach), np.inf)
+    )
     for _ in range(ROUNDS):
         row = -_middle(at, size + column[of], program.n_rows)
         column = -_middle(of, size + row[at], program.n_columns)
-        column = np.where(program.integer, 0.0, np.minimum(column, np.floor(most)))
+        column = np.where(program.integer, 0.0, np.minimum(column, np.floor(maximum)))
     row = -_middle(at, size + np.round(column)[of], program.n_rows)
     return 2.0 ** np.round(row), 2.0 ** np.round(column)
 
 
 def _middle(place: np.ndarray, size: Floats, n: int) -> Floats:
-    """The middle of the least and the largest `size` at each place, 0 where there is none."""
+    """The middle of the smallest and the largest `size` at each place, 0 where there is none."""
     low, high = np.full(n, np.inf), np.full(n, -np.inf)
     np.minimum.at(low, place, size)
     np.maximum.at(high, place, size)

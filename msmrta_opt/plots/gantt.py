@@ -24,7 +24,7 @@ BAR = 0.72
 """Height of a service bar, in rows."""
 FONT = 7.5
 TITLE_FONT, LABEL_FONT = 9.5, 8.0
-LEAST_PITCH = 9.0
+MIN_PITCH = 9.0
 """Points from the name of one row to that of the next."""
 
 
@@ -207,7 +207,7 @@ def _name_rows(
     ax: Axes, robots: Sequence[Robot], styles: dict[int, RobotStyle], pitch: float
 ) -> None:
     """Name the rows, or as many of them as there is room for."""
-    step = max(1, int(np.ceil(LEAST_PITCH / pitch))) if robots else 1
+    step = max(1, int(np.ceil(MIN_PITCH / pitch))) if robots else 1
     named = robots[::step]
     ax.set_yticks(range(0, len(robots), step), [f"R{number_of(robot.id)}" for robot in named])
     badge = pitch >= 1.9 * FONT

@@ -25,7 +25,7 @@ from .canvas import Scale
 from .placing import Box, apart
 from .style import FADED, FAINT, INK, MISSED, TURNED_UP, RobotStyle, robot_styles
 
-MOST_KINDS = 12
+MAX_KINDS = 12
 """Kinds that have an hour each; of more, a victim's own requirements share its clock."""
 LONGEST_NUMBER = 5
 """Digits of an id that a mark can hold; of a longer one the last are shown."""
@@ -54,7 +54,7 @@ class Group:
     ring: bool = False
     """Whether something stays unserved."""
     weight: float = 1.0
-    """The disc's diameter over that of a victim of the least priority."""
+    """The disc's diameter over that of a victim of the lowest priority."""
 
 
 def short_number(identity: int) -> str:
@@ -130,7 +130,7 @@ def unserved_victims(plan: Plan) -> set[int]:
 def hours(instance: Instance, victim: Victim, kind: str) -> tuple[float, float]:
     """Where the arc of a requirement begins and ends, in degrees anticlockwise from the right."""
     kinds = instance.capabilities
-    if len(kinds) > MOST_KINDS:
+    if len(kinds) > MAX_KINDS:
         kinds = victim.requirements
     return hour(kinds.index(kind), len(kinds))
 

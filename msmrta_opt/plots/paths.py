@@ -15,7 +15,7 @@ from .canvas import Scale, is_large, map_axes, plot_map
 from .legends import legend_below, mark_handle, robot_handles
 from .lettering import as_written
 from .marks import (
-    MOST_KINDS,
+    MAX_KINDS,
     Group,
     clock_marker,
     draw_groups,
@@ -117,7 +117,7 @@ def paths_handles(plan: Plan, *, unserved: bool = True) -> list[Artist]:
             handles.append(
                 Line2D([], [], color=TRAFFIC(0.5), lw=5, label="cells walked; darker: more often")
             )
-    elif instance.n_victims and len(kinds) <= MOST_KINDS:
+    elif instance.n_victims and len(kinds) <= MAX_KINDS:
         handles += [
             mark_handle(clock_marker(place, len(kinds)), f"needs {kind}", face=INK)
             for place, kind in enumerate(kinds)

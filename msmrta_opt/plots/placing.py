@@ -25,7 +25,7 @@ def apart(centres: Floats, sizes: Floats, room: tuple[float, float], rounds: int
     room : (n_rows, n_cols)
         The map, which boxes do not leave if they fit in it.
     rounds : int
-        The most rounds.
+        The maximum number of rounds.
 
     Returns
     -------

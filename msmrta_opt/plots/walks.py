@@ -19,7 +19,7 @@ from .style import RobotStyle
 CASING = 1.8
 """Points by which white stands out under a line, so that lines that cross are told apart."""
 ARROW, APART = 7.5, 45.0
-"""Points: length of an arrowhead, and the least from one to the next."""
+"""Points: length of an arrowhead, and the minimum from one to the next."""
 Floats = NDArray[np.float64]
 
 

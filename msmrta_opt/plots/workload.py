@@ -16,7 +16,7 @@ from .lettering import as_written
 from .marks import number_of
 from .style import FAINT, INK, SERIES, robot_styles
 
-MOST_TOLD = 24
+MAX_TOLD = 24
 """Robots beside whose bars the share of service is written."""
 
 
@@ -50,7 +50,7 @@ def plot_workload(plan: Plan, ax: Axes | None = None) -> Axes:
     busy = service + travel
     mean = float(busy.mean()) if len(rows) else 0.0
     ax.axvline(mean, color=SERIES[1], linewidth=1.2, linestyle=(0, (4, 2)), zorder=3)
-    if len(rows) <= MOST_TOLD:
+    if len(rows) <= MAX_TOLD:
         for place, row in enumerate(rows):
             n = row["visits"]
             said = f" {n} visit{'' if n == 1 else 's'}" if n else " stays"

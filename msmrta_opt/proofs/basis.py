@@ -22,7 +22,7 @@ from .exact import ExactProgram, Rational, Row
 from .relaxation import Relaxation
 
 BITS_A_ROUND = 24
-MOST_BITS = 40_000
+MAX_BITS = 40_000
 LARGEST_BASIS = 5_000
 
 
@@ -139,7 +139,7 @@ def solve(
     left = [s.numerator * (common // s.denominator) for s in sides]
     sought = [0] * n
     bits, check_at, largest = 0, 48, None
-    while bits < MOST_BITS:
+    while bits < MAX_BITS:
         size = max(r.bit_length() - s for r, s in zip(left, shifts, strict=True))
         largest = size + 3 * BITS_A_ROUND if largest is None else largest
         if size > largest:  # what is left over should shrink as fast as the unit does
@@ -189,14 +189,14 @@ def _read_off(sought: list[int], bits: int, exact: bool) -> list[Fraction] | Non
     """Fractions with small denominators next to ``sought / 2**bits``; ``None`` if there are none."""
     if exact:
         return [Fraction(s, 1 << bits) for s in sought]
-    most = 1 << max(bits // 2 - 2, 1)
+    maximum = 1 << max(bits // 2 - 2, 1)
     common, found = 1, []
     for s in sought:
-        near = Fraction(s * common, 1 << bits).limit_denominator(max(most // common, 1))
-        if abs(near * (1 << bits) - s * common) * most > common << bits:
+        near = Fraction(s * common, 1 << bits).limit_denominator(max(maximum // common, 1))
+        if abs(near * (1 << bits) - s * common) * maximum > common << bits:
             return None
         found.append(near / common)
         common *= near.denominator
-        if common > most:
+        if common > maximum:
             return None
     return found

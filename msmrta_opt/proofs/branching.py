@@ -1,6 +1,6 @@
 """Branch and bound for a proof: a tree whose leaves are all derived in exact numbers.
 
-The node with the least bound is next, but of two children one is looked at at once. Branching variables
+The node with the lowest bound is next, but of two children one is looked at at once. Branching variables
 are chosen by pseudo-costs, and by solving both children for a few iterations while these are not
 reliable (Achterberg, Koch and Martin 2005, *Branching rules revisited*): the fewer leaves, the smaller
 the proof. A node is a leaf as soon as its bound is derived to reach the target, or its contradiction;
@@ -250,20 +250,20 @@ class Search:
 
     def _any_column(self, relaxed: Relaxed) -> tuple[int, int]:
         """An integer column that is not fixed yet, where no value asks for branching."""
-        best, most = (-1, 0), -1.0
+        best, maximum = (-1, 0), -1.0
         for j in self._integers.tolist():
             low, high = self.box.lower[j], self.box.upper[j]
             if low is not None and high is not None and low.bound >= high.bound:
                 continue
             value = 0.0 if relaxed.x is None else float(relaxed.x[j])
             far = abs(value - round(value))
-            if far > most:
+            if far > maximum:
                 split = round(value)
                 if high is not None and split >= high.bound:
                     split = math.ceil(high.bound) - 1
                 if low is not None:
                     split = max(split, math.floor(low.bound))
-                best, most = (j, split), far
+                best, maximum = (j, split), far
         return best
 
     def _settle(self, node: Node, relaxed: Relaxed) -> None:
@@ -284,7 +284,7 @@ class Search:
             key=lambda item: (-self._pseudo.score(*item), abs(item[1] - 0.5), item[0]),
         )
         basis, tried, in_vain = None, 0, 0
-        best, most = ranked[0][0], -1.0
+        best, maximum = ranked[0][0], -1.0
         for column, fraction in ranked:
             score = self._pseudo.score(column, fraction)
             if not self._pseudo.reliable(column):
@@ -293,8 +293,8 @@ class Search:
                 basis = basis or self.relaxation.basis()
                 score = self._tried(column, fraction, relaxed, basis)
                 tried += 1
-            if score > most * (1 + 1e-9):
-                best, most, in_vain = column, score, 0
+            if score > maximum * (1 + 1e-9):
+                best, maximum, in_vain = column, score, 0
             else:
                 in_vain += 1
         if basis is not None:

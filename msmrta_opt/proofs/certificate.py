@@ -241,7 +241,7 @@ class _Derivations:
         rest = [(at, -left / grid.step) for at, left in grid.rest_above]
         reason = self._combination([(self.next - 1, sign / grid.step), *rest])
         whole = "".join(f" {j} {k}" for j, k in grid.whole)
-        stated = f"G {grid.least(claim.bound)} {len(grid.whole)}{whole}"
+        stated = f"G {grid.minimum(claim.bound)} {len(grid.whole)}{whole}"
         index = self._put(f"{stated} {{ rnd {reason} }}", self.next + 1)
         rest = [(at, sign * left) for at, left in grid.rest_below]
         reason = self._combination([(index, sign * grid.step), *rest])

@@ -11,7 +11,7 @@ from .rounding import derive
 from .separation import Separator
 from .tree import Limits
 
-MOST_ROUNDS = 60
+MAX_ROUNDS = 60
 CUTS_A_ROUND = 150
 STALLED = 4
 """Rounds without `PROGRESS` that end the search for cuts."""
@@ -38,7 +38,7 @@ def strengthen(
     separator = Separator(program, box)
     relaxed = relaxation.solve()
     history: list[float] = []
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_ROUNDS):
         if relaxed.x is None or limits.reached(0):
             break
         if target is not None and relaxed.value >= target:

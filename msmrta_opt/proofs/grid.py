@@ -34,13 +34,13 @@ class Grid:
     """The largest value of the rest."""
     below: Fraction
 
-    def least(self, bound: Fraction) -> int:
+    def minimum(self, bound: Fraction) -> int:
         """The least value of the combination where the objective is at least `bound`."""
         return math.ceil((bound - self.above) / self.step)
 
     def proved(self, bound: Fraction) -> Fraction:
         """The bound on the objective that follows from `bound`."""
-        return self.step * self.least(bound) + self.below
+        return self.step * self.minimum(bound) + self.below
 
     def target(self, point: Sequence[Rational]) -> Fraction:
         """A bound from which the value of `point` follows, up to the rest."""

@@ -237,14 +237,14 @@ class Prover:
         finite = [bound for bound in bounds if bound is not None]
         if not finite:
             return Proved(root, infeasible=True, remark=remark)
-        least = min(finite)
-        if self.value is not None and least >= self.value:
+        minimum = min(finite)
+        if self.value is not None and minimum >= self.value:
             return Proved(root, False, self.value, self.value, None, remark)
         if self.grid is None:
-            derived = _short(least, least - abs(least) * Fraction(TIGHT) / 1024)
+            derived = _short(minimum, minimum - abs(minimum) * Fraction(TIGHT) / 1024)
             return Proved(root, False, derived, derived, None, remark)
-        below = self.grid.step * (self.grid.least(least) - 1) + self.grid.above
-        derived = _short(least, below)
+        below = self.grid.step * (self.grid.minimum(minimum) - 1) + self.grid.above
+        derived = _short(minimum, below)
         return Proved(root, False, derived, self.grid.proved(derived), self.grid, remark)
 
 

@@ -146,14 +146,14 @@ def _distance(j: int, side: Side, is_upper: bool, integer: bool, a: Fraction) ->
 
 def _delta(terms: list[Term], near: float) -> Fraction | None:
     """The size of a coefficient, or its half and so on, that is nearest to `near`."""
-    best, least = None, math.inf
+    best, minimum = None, math.inf
     for term in terms:
         if term.integer and term.a:
             size = float(abs(term.a))
             for k in range(HALVINGS + 1):
-                if abs(size / 2**k - near) < least:
-                    best, least = abs(term.a) / 2**k, abs(size / 2**k - near)
-    return best if least <= 1e-3 * near else None
+                if abs(size / 2**k - near) < minimum:
+                    best, minimum = abs(term.a) / 2**k, abs(size / 2**k - near)
+    return best if minimum <= 1e-3 * near else None
 
 
 class _Rounding:

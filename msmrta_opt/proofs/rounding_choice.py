@@ -43,20 +43,20 @@ class Equation:
         if not len(sizes):
             return None
         flipped: Bools = np.zeros(len(self.a), dtype=bool)
-        most, delta = max((self._efficacy(flipped, float(d)), float(d)) for d in sizes)
+        maximum, delta = max((self._efficacy(flipped, float(d)), float(d)) for d in sizes)
         for k in range(1, HALVINGS + 1):
             efficacy = self._efficacy(flipped, delta / 2**k)
-            if efficacy > most:
-                most, delta = efficacy, delta / 2**k
+            if efficacy > maximum:
+                maximum, delta = efficacy, delta / 2**k
         flexible = np.flatnonzero(inside & np.isfinite(self.room))
         for i in flexible[np.argsort(np.abs(self.t - self.room / 2)[flexible], kind="stable")][:20]:
             flipped[i] ^= True
             efficacy = self._efficacy(flipped, delta)
-            if efficacy > most:
-                most = efficacy
+            if efficacy > maximum:
+                maximum = efficacy
             else:
                 flipped[i] ^= True
-        return flipped, delta, most
+        return flipped, delta, maximum
 
     def rounding(self, flipped: Bools, delta: float) -> tuple[float, float, Floats]:
         """The side over δ, its fraction, and the coefficients of the terms in the cut."""

@@ -23,15 +23,15 @@ from .networks import networks
 from .relaxation import Relaxation
 from .rounding_choice import INSIDE, Equation
 
-MOST_ROWS = 6
+MAX_ROWS = 6
 """Rows that are added up by elimination."""
 STARTS = 300
 """Rows to begin with, each time that cuts are looked for."""
 TABLEAU = 80
 """Rows of the tableau."""
-MOST_WEIGHTS = 150
+MAX_WEIGHTS = 150
 """Rows that a row of the tableau is a sum of."""
-LEAST_EFFICACY = 1e-3
+MIN_EFFICACY = 1e-3
 """Violation over the length of the cut's coefficients."""
 PARALLEL = 0.7
 """Cosine beyond which two cuts are alike."""
@@ -185,19 +185,19 @@ class Separator:
 
     def _measure(self, j: int, is_upper: bool) -> None:
         """Choose the bound of continuous column `j` that is nearest, rather a variable one."""
-        x, least = self._x, math.inf
+        x, minimum = self._x, math.inf
         best: Side | VariableBound | None = None
         for way, bound in self._bounds[j]:
             end = float(bound.at_zero) + float(bound.slope) * x[bound.column]
-            if way == is_upper and abs(end - x[j]) < least - 1e-9:
-                best, least = bound, abs(end - x[j])
+            if way == is_upper and abs(end - x[j]) < minimum - 1e-9:
+                best, minimum = bound, abs(end - x[j])
         side = self.box.upper[j] if is_upper else self.box.lower[j]
-        if side is not None and abs(float(side.bound) - x[j]) < least - 1e-6:
-            best, least = side, abs(float(side.bound) - x[j])
+        if side is not None and abs(float(side.bound) - x[j]) < minimum - 1e-6:
+            best, minimum = side, abs(float(side.bound) - x[j])
         if best is None:
             return
         which = int(is_upper)
-        self._from[which, j] = least
+        self._from[which, j] = minimum
         self._near[which][j] = (is_upper, best)
         if isinstance(best, VariableBound):
             self._side[which, j], self._slope[which, j] = float(best.at_zero), float(best.slope)
@@ -217,7 +217,7 @@ class Separator:
                 break
             weights = relaxation.tableau_row(place)
             used = np.flatnonzero(np.abs(weights) > 1e-9 * np.abs(weights).max(initial=0.0))
-            if 0 < len(used) <= MOST_WEIGHTS:
+            if 0 < len(used) <= MAX_WEIGHTS:
                 scale = 2.0**WEIGHT_BITS
                 short = np.round(weights[used] * scale) / scale
                 for sign in (1.0, -1.0):
@@ -242,7 +242,7 @@ class Separator:
     def _by_elimination(self, start: int, sign: float) -> Found | None:
         """The first cut of sums of rows that begin with row `start`."""
         weights = {start: sign / float(np.abs(self._coefficients[start]).max())}
-        for _ in range(MOST_ROWS):
+        for _ in range(MAX_ROWS):
             found = self._rounded(weights)
             if found is not None:
                 return found
@@ -255,15 +255,15 @@ class Separator:
         total = self._total
         inside = np.flatnonzero((total != 0) & ~self._integer & (self._distance > INSIDE))
         for j in inside[np.argsort(-self._distance[inside], kind="stable")].tolist():
-            best, least = -1, math.inf
+            best, minimum = -1, math.inf
             for i in self._with[j]:
                 if i in weights:
                     continue
                 low, high = self._sides[i]
                 slack = 0.0 if low == high else min(abs(self._activity[i] - s) for s in (low, high))
                 rank = len(self._columns[i]) + 1000 * (low != high) + 1e4 * min(slack, 1.0)
-                if rank < least:
-                    best, least = i, rank
+                if rank < minimum:
+                    best, minimum = i, rank
             if best >= 0:
                 own = float(self._coefficients[best][self._columns[best] == j][0])
                 weights[best] = -float(total[j]) / own
@@ -332,7 +332,7 @@ class Separator:
             side, float(rest @ rest_t), float(rest @ rest),
         )  # fmt: skip
         rounding = base.best_rounding()
-        if rounding is None or rounding[2] < LEAST_EFFICACY:
+        if rounding is None or rounding[2] < MIN_EFFICACY:
             return None
         flipped, delta, _ = rounding
         from_upper = columns[turned ^ flipped[: len(columns)]]
@@ -341,7 +341,7 @@ class Separator:
         )
         support = np.flatnonzero(direction)
         length = math.sqrt(float(direction[support] @ direction[support]))
-        if not length or violation / length < LEAST_EFFICACY:
+        if not length or violation / length < MIN_EFFICACY:
             return None
         near = {
             j: self._near[int(is_upper)][j]

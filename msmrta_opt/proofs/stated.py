@@ -17,7 +17,7 @@ from ..optimise.subject import subject
 from .exact import ExactProgram, Numbers, Rational, exact_program
 
 _READINGS: tuple[Numbers, ...] = ("binary", "decimal", "simple")
-_MOST = 5
+_MAX = 5
 """Names and terms that are told."""
 _LONGEST = 60
 """Characters of a number."""
@@ -85,7 +85,7 @@ def _differences(program: ExactProgram, found: vipr.Certificate) -> list[str]:
         return [f"it is a {'minimum' if found.minimise else 'maximum'}, the program is not"]
     if set(found.names) != set(program.names):
         other = sorted(set(found.names) ^ set(program.names))
-        return [f"the variables are not the same: {', '.join(other[:_MOST])}"]
+        return [f"the variables are not the same: {', '.join(other[:_MAX])}"]
     column = {name: j for j, name in enumerate(program.names)}
     place = [column[name] for name in found.names]
     wrong: list[str] = []
@@ -141,8 +141,8 @@ def _row(sense: int, side: Rational, terms: Mapping[int, Rational]) -> _Row:
 
 def _text(program: ExactProgram, row: _Row) -> str:
     sense, side, terms = row
-    left = " + ".join(f"{_figure(a)} {program.names[j]}" for j, a in terms[:_MOST]) or "0"
-    more = " + ..." if len(terms) > _MOST else ""
+    left = " + ".join(f"{_figure(a)} {program.names[j]}" for j, a in terms[:_MAX]) or "0"
+    more = " + ..." if len(terms) > _MAX else ""
     return f"{left}{more} {_SENSES[sense]} {_figure(side)}"
 
 

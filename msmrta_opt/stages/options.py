@@ -67,7 +67,7 @@ class StagedOptions:
     pinned_clusters: bool = True
     """Whether the instance's own clusters are used where it has them."""
     budget: int = 2
-    """Most clusters, or victims, of a robot, in formulations that limit them."""
+    """Maximum number of clusters, or victims, of a robot, in formulations that limit them."""
     endurance: float | None = None
     """Maximum time that a robot may be busy, in formulations of Eq. 2 that limit it."""
     solver: str = "auto"

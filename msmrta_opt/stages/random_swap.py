@@ -26,14 +26,14 @@ def _lloyd(
     points: Floats,
     centres: Floats,
     labels: Ints,
-    least: Floats,
+    minimum: Floats,
     moved: Bools,
     iterations: int,
     is_fresh: bool,
 ) -> float:
     """Move `centres` for so many iterations, or to their end; the sum of squares before the last.
 
-    `labels` and `least` are the nearest centres of all points, and the squares of their distances, when
+    `labels` and `minimum` are the nearest centres of all points and the squares of their distances, when
     none but those had `moved` that have since: only these, or all if its own has, may be nearer now. A
     cluster without points gets the point that is farthest from its centre. What `is_fresh` does not end
     with its first iteration.
@@ -59,14 +59,14 @@ def _lloyd(
                     if square < shortest:
                         nearest, shortest = c, square
             else:
-                nearest, shortest = own, least[i]
+                nearest, shortest = own, minimum[i]
                 for c in movers[:n_movers]:
                     dx, dy = x - centres[c, 0], y - centres[c, 1]
                     square = dx * dx + dy * dy
                     if square < shortest or (square == shortest and c < nearest):
                         nearest, shortest = c, square
             changed |= own != nearest
-            labels[i], least[i] = nearest, shortest
+            labels[i], minimum[i] = nearest, shortest
             count[nearest] += 1
             sums[nearest, 0] += x
             sums[nearest, 1] += y
@@ -102,7 +102,7 @@ def centres(points: Floats, k: int, swaps: int, seed: int) -> Floats:
     best = points[np.random.permutation(len(points))[:k]]
     best_labels, best_least = np.full(len(points), -1), np.zeros(len(points))
     best_moved = np.zeros(k, np.bool_)
-    least = _lloyd(points, best, best_labels, best_least, best_moved, LONGEST, True)
+    minimum = _lloyd(points, best, best_labels, best_least, best_moved, LONGEST, True)
     for _ in range(swaps):
         trial, labels, squares = best.copy(), best_labels.copy(), best_least.copy()
         moved = best_moved.copy()
@@ -111,7 +111,7 @@ def centres(points: Floats, k: int, swaps: int, seed: int) -> Floats:
         moved[c] = True
         total = _lloyd(points, trial, labels, squares, moved, TRIAL, True)
         # Rounding must not make of equal partitions better ones.
-        if total < least * (1 - 1e-9):
-            least = _lloyd(points, trial, labels, squares, moved, LONGEST, False)
+        if total < minimum * (1 - 1e-9):
+            minimum = _lloyd(points, trial, labels, squares, moved, LONGEST, False)
             best, best_labels, best_least, best_moved = trial, labels, squares, moved
     return best

@@ -36,7 +36,7 @@ class Comparison(pd.DataFrame):  # type: ignore[misc]  # pandas comes without ty
         return pd.DataFrame(self)[columns]
 
     def __repr__(self) -> str:
-        return f"{self._summary}\n{self._short.to_string(max_rows=display.MOST_ROWS)}"
+        return f"{self._summary}\n{self._short.to_string(max_rows=display.MAX_ROWS)}"
 
     def __str__(self) -> str:
         return repr(self)

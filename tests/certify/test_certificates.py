@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from support.corridor import DUALS, Document, backwards
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 
 import msmrta_opt as mo
 from msmrta_opt.certify.certificates import SMALL_PROOFS, Recheck, recheck
@@ -50,7 +50,7 @@ def test_what_is_proved_again_is_no_more_than_the_optimum(
     plan = made(seed, objective, limit)
     (found,) = recheck(plan)
     assert found.problems == ()
-    optimum = least(problem_of(plan), objective)  # type: ignore[arg-type]
+    optimum = minimum(problem_of(plan), objective)  # type: ignore[arg-type]
     assert found.proved is not None
     assert float(found.proved) <= optimum + 1e-6
     assert float(found.value) == pytest.approx(optimum)

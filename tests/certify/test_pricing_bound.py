@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from support.amounts import sample
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 
 from msmrta_opt.certify.certificates import worth
 from msmrta_opt.certify.joint_problem import Joint
@@ -174,7 +174,7 @@ def mission(seed: int, limit: int = 0) -> tuple[Joint, float, Fraction]:
     )
     options: Document = ({}, {"endurance": 900, "return_to_start": True})[limit]
     plan = make_plan(made, planner="exact", objective="latency", time_limit=0, **options)
-    return Joint.of(plan), least(problem_of(plan), "latency"), worth(plan, "latency")
+    return Joint.of(plan), minimum(problem_of(plan), "latency"), worth(plan, "latency")
 
 
 def tasks_of(joint: Joint) -> list[tuple[int, tuple[str, ...]]]:

@@ -352,9 +352,9 @@ def test_a_long_proof_takes_no_more_memory_than_a_short_one(tmp_path: Path) -> N
         path.write_text(f"{head}{''.join(lines)}D G 2 OBJ {{ rnd 1 {length - 1} 1 }} 0\n")
         tracemalloc.start()
         verify(str(path))
-        _, most = tracemalloc.get_traced_memory()
+        _, maximum = tracemalloc.get_traced_memory()
         tracemalloc.stop()
-        return most
+        return maximum
 
     assert peak(2000) < 1.1 * peak(500)
 

@@ -58,8 +58,8 @@ class Part:
         for text in found.bounds:
             match = re.fullmatch(r"(\S+ ≤ )?x\[(\d+)\]( [≤≥=] \S+)?", text)
             assert match, text
-            least, column, other = match[1], int(match[2]), match[3] or ""
-            if least or "≥" in other or "=" in other:
+            minimum, column, other = match[1], int(match[2]), match[3] or ""
+            if minimum or "≥" in other or "=" in other:
                 lower.add(column)
             if "≤" in other or "=" in other:
                 upper.add(column)
@@ -326,8 +326,8 @@ def test_whenever_the_time_is_up_what_is_left_conflicts(
 ) -> None:
     # An odd cycle and two rows beside it; in fractions x0 + x2 = 1.5 against 0.6 and 0.8.
     rows = [[1, 1, 0, 0], [0, 1, 1, 0], [1, 0, 1, 0], [0, 0, 1, 1], [1, 1, 1, 1]]
-    least = np.array([1, 1, 1 if integer else 1.5, 0, 0])
-    trial = program(rows, [*least[:3], 2, 4], 1, row_lower=least)
+    minimum = np.array([1, 1, 1 if integer else 1.5, 0, 0])
+    trial = program(rows, [*minimum[:3], 2, 4], 1, row_lower=minimum)
     if not integer:
         trial = replace(trial, upper=np.array([0.6, 1, 0.8, 1])).relaxed()
     outcomes = set()

@@ -19,14 +19,14 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.optimise.program import Program
 
 
-def pairs(most: int = 1, *, at_least: int = 1) -> cp.Problem:
+def pairs(maximum: int = 1, *, at_least: int = 1) -> cp.Problem:
     """Two robots and two clusters, worth 3 and 2, 1 and 1."""
     x = cp.Variable((2, 2), boolean=True, name="x")
     return cp.Problem(
         cp.Maximize(cp.sum(cp.multiply(np.array([[3.0, 2], [1, 1]]), x))),
         [
             (cp.sum(x, axis=0) <= 1).set_label("cluster {c} has at most one robot"),
-            (cp.sum(x, axis=1) <= most).set_label("robot {r} keeps to its budget"),
+            (cp.sum(x, axis=1) <= maximum).set_label("robot {r} keeps to its budget"),
             (cp.sum(x) >= at_least).set_label("some are taken"),
         ],
     )

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from support import executions
 from support.amounts import sample
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 
 from msmrta_opt.certify.run import problems
 from msmrta_opt.execution.execute import execute
@@ -235,7 +235,7 @@ def test_the_formulation_makes_as_few_changes_as_a_price_leaves(number: int) -> 
     changes = []
     for price in PRICES:
         solution = solve("joint_replan", data, stability=price)
-        best = least(data, "total_time", price)
+        best = minimum(data, "total_time", price)
         assert solution.status == "optimal"
         assert solution.objective == pytest.approx(best)
         assert solution.bound == pytest.approx(best)
@@ -245,7 +245,7 @@ def test_the_formulation_makes_as_few_changes_as_a_price_leaves(number: int) -> 
         assert aim.value(data, routes) + price * changes[-1] == pytest.approx(best)
     assert changes == sorted(changes, reverse=True)
     # At the highest price, a change counts more than all travel: there are as few as there can be.
-    assert changes[-1] == int(least(data, "total_time", 1e9) / 1e9 + 0.5)
+    assert changes[-1] == int(minimum(data, "total_time", 1e9) / 1e9 + 0.5)
 
 
 def test_replanning_by_the_formulation_is_never_dearer_than_by_a_planner(street: Plan) -> None:

@@ -16,7 +16,7 @@ from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.files import (
     DEEPEST,
     LARGEST_MIB,
-    MOST_DIGITS,
+    MAX_DIGITS,
     parse_json,
     read_json,
     read_text,
@@ -255,7 +255,7 @@ def test_a_dash_is_standard_input_however_often_it_is_read() -> None:
 
 # JSON and TOML
 
-NINES = "9" * (MOST_DIGITS + 1)
+NINES = "9" * (MAX_DIGITS + 1)
 DOCUMENTS: dict[str, tuple[str, str, str]] = {
     # what is wrong: (text, field, problem)
     "key given twice": ('{"a": {"b": 5, "b": 500}}', "a.b", "is given twice; give it once"),
@@ -322,7 +322,7 @@ def test_a_document_within_all_limits_is_read_as_it_is() -> None:
     deep = "[" * (DEEPEST - 1) + "]" * (DEEPEST - 1)
     text = f'{{"": [true, null, -0.5, 1e308, {NINES[1:]}], "ψ \\ud83d\\ude00": "é", "d": {deep}}}'
     document = parse_json(text)
-    assert document[""] == [True, None, -0.5, 1e308, 10**MOST_DIGITS - 1]
+    assert document[""] == [True, None, -0.5, 1e308, 10**MAX_DIGITS - 1]
     assert document["ψ 😀"] == "é"
 
 

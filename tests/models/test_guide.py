@@ -87,13 +87,13 @@ def test_the_blank_joint_formulation_takes_the_clusters_that_leave_the_minimum_o
     n_robots, n_clusters = data.w.shape
     left = np.where(data.can_serve, data.service, np.inf).min(axis=0)  # by holder and victim
     left[np.isinf(left)] = 0.0
-    least = np.inf
+    minimum = np.inf
     for robots in permutations(range(n_robots), min(n_robots, n_clusters)):
         for clusters in combinations(range(n_clusters), len(robots)):
             holder = dict(zip(clusters, robots, strict=True))
             worth = sum(left[holder.get(c, n_robots), v] for v, c in enumerate(data.cluster))
-            least = min(least, worth)
-    assert solve("joint_blank", data).objective == pytest.approx(least)
+            minimum = min(minimum, worth)
+    assert solve("joint_blank", data).objective == pytest.approx(minimum)
 
 
 def test_a_plan_says_when_a_formulation_has_changed_since(workplace: Path, capsys: Capture) -> None:

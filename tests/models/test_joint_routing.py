@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.joint_cases import on_a_line, small_mission
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 from support.oracles import WEIGHTS, routes_of
 
 from msmrta_opt.mission.instance import Instance
@@ -35,7 +35,7 @@ CASES = {
 
 @cache
 def expected(case: int, objective: str) -> float:
-    return least(CASES[case], objective)
+    return minimum(CASES[case], objective)
 
 
 def answer(model: str, objective: str, data: RoutingData, *, solver: str = "auto") -> Solution:

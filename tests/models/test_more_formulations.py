@@ -193,8 +193,8 @@ def test_capacities_and_costs_of_the_generalised_assignment_are_endurance_and_fa
     data = victims([[2, 2, 2], [2, 2, 2]], failure=costs, endurance=np.array([4.0, 2.0]))
     # Agent 1 takes item 0: 3 + 2 + 3 = 8; item 1: 1 + 1 + 3 = 5; item 2: 1 + 2 + 2 = 5.
     assert solve("victim_generalized", data, beta=1).objective == pytest.approx(5)
-    most = solve("victim_generalized", replace(data, failure=-costs), beta=1)
-    assert most.objective == pytest.approx(-8)
+    maximum = solve("victim_generalized", replace(data, failure=-costs), beta=1)
+    assert maximum.objective == pytest.approx(-8)
 
 
 FORK = JointAssignmentData(

@@ -148,11 +148,13 @@ def test_a_maximisation_with_a_constant_is_proven_in_its_own_sense() -> None:
     assert_proven(program(matrix, 1, [3, 1, 2, -4], sense="max", offset=10), 13)
 
 
-@pytest.mark.parametrize(("most", "best"), [(1, None), (2, -5)])
-def test_of_two_cardinalities_neither_is_forgotten(most: int, best: float | None) -> None:
+@pytest.mark.parametrize(("maximum", "best"), [(1, None), (2, -5)])
+def test_of_two_cardinalities_neither_is_forgotten(maximum: int, best: float | None) -> None:
     both = Table(np.zeros((2, 2))).program().matrix.toarray()
     matrix = np.vstack([both, np.ones((2, 4))])
-    twice = program(matrix, [1, 1, 1, 1, 2, most], [-3, -1, 2, -2], row_lower=[-INF] * 4 + [2, 0])
+    twice = program(
+        matrix, [1, 1, 1, 1, 2, maximum], [-3, -1, 2, -2], row_lower=[-INF] * 4 + [2, 0]
+    )
     structure = recognise(twice)
     if structure is not None and solve_assignment(twice, structure) is not None:
         assert_proven(twice, best)

@@ -79,10 +79,10 @@ def test_a_comparison_with_what_is_not_a_number_is_not_passed(where: str) -> Non
 
 def test_the_worst_comes_first_and_only_so_many_are_named() -> None:
     wrong = np.array([0.0, 0.5, 3.0, 1.0])
-    everything = violations(POSTS, wrong, most=9)
+    everything = violations(POSTS, wrong, maximum=9)
     assert len(everything) == 3  # row 1, the bound of x[0,1], the fraction of x[1,0]
     assert {text.split()[0] for text in everything} == {"row", "x[0,1]", "x[1,0]"}
-    assert violations(POSTS, wrong, most=1) == everything[:1]
+    assert violations(POSTS, wrong, maximum=1) == everything[:1]
 
 
 def test_rounding_errors_pass_and_errors_beyond_tolerance_do_not() -> None:
@@ -151,9 +151,9 @@ def test_the_right_duals_prove_the_optimum_of_a_maximisation() -> None:
 
 def test_the_right_duals_prove_the_optimum_of_a_minimisation() -> None:
     """min 2x + 3y, x + y ≥ 4, x ≤ 3: x = 3, y = 1 costs 9; a unit of the row costs 3."""
-    least = program([[1, 1]], INF, [2, 3], row_lower=4, upper=[3, INF])
-    assert dual_bound(least, np.array([3.0])) == pytest.approx(9)
-    assert dual_bound(least, np.array([2.0])) == pytest.approx(8)
+    minimum = program([[1, 1]], INF, [2, 3], row_lower=4, upper=[3, INF])
+    assert dual_bound(minimum, np.array([3.0])) == pytest.approx(9)
+    assert dual_bound(minimum, np.array([2.0])) == pytest.approx(8)
 
 
 @pytest.mark.parametrize("size", [1.0, 1e-6])

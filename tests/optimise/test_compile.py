@@ -270,7 +270,7 @@ def only_violation(program: Program, changes: dict[tuple[int, int], float]) -> l
     x = np.full((2, 3), 0.5)
     for index, value in changes.items():
         x[index] = value
-    return violations(program, program.flat({"x": x}), most=99)
+    return violations(program, program.flat({"x": x}), maximum=99)
 
 
 @pytest.fixture(scope="module")
@@ -302,7 +302,7 @@ def test_constraints_without_a_label_are_numbered_as_the_file_has_them() -> None
     """cvxpy moves equations to the front; the modeller's first row is still number 1."""
     x = cp.Variable(name="x")
     program = arrays_of(cp.Minimize(x), [x <= 3, x == 2, x >= 1])
-    names = {text.split("'")[1] for text in violations(program, np.array([0.5]), most=9)}
+    names = {text.split("'")[1] for text in violations(program, np.array([0.5]), maximum=9)}
     assert names == {"constraint 2", "constraint 3"}
 
 

@@ -155,8 +155,8 @@ def one_bounded_by(low: float, high: float, *, integer: bool) -> list[Trial]:
     """The least and the greatest value of a variable, of which -40.5 ≤ 2 x ≤ 40.5 is asked."""
     within = max(low, -20.25), min(high, 20.25)
     ends = (np.ceil(within[0]), np.floor(within[1])) if integer else within
-    least = program([[2]], 40.5, [1], row_lower=-40.5, lower=low, upper=high, integer=integer)
-    return [(least, float(ends[0])), (replace(least, sense="max"), float(ends[1]))]
+    minimum = program([[2]], 40.5, [1], row_lower=-40.5, lower=low, upper=high, integer=integer)
+    return [(minimum, float(ends[0])), (replace(minimum, sense="max"), float(ends[1]))]
 
 
 def features() -> list[Trial]:

@@ -109,7 +109,7 @@ def test_the_frontier_is_every_point_that_no_other_beats(case: Case) -> None:
 @settings(max_examples=examples(40))
 def test_every_tie_is_found(case: Case, numerator: int) -> None:
     t = Fraction(numerator, 6)
-    found, all_of_them = optima(case.family, t, most=50)
+    found, all_of_them = optima(case.family, t, maximum=50)
     best = case.best(t)
     assert all_of_them
     assert len(found) == sum((1 - t) * a + t * b == best for a, b in case.points)

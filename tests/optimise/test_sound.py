@@ -214,9 +214,9 @@ def test_a_solution_says_its_tolerances_and_what_became_of_its_start() -> None:
 @pytest.mark.parametrize("solver", ["auto", "highs", "glpk"])
 def test_a_dual_value_is_what_a_unit_more_of_the_side_is_worth(solver: str) -> None:
     """max 3x + 2y, x + y ≤ 4: worth 3 a unit; min 3x + 2y, x + y ≥ 4: 2 a unit."""
-    most = program([[1, 1]], 4, [3, 2], upper=INF, integer=False, sense="max")
-    least = program([[1, 1]], INF, [3, 2], row_lower=4, upper=INF, integer=False)
-    for trial, worth in ((most, 3), (least, 2)):
+    maximum = program([[1, 1]], 4, [3, 2], upper=INF, integer=False, sense="max")
+    minimum = program([[1, 1]], INF, [3, 2], row_lower=4, upper=INF, integer=False)
+    for trial, worth in ((maximum, 3), (minimum, 2)):
         assert solve_program(trial, solver=solver).duals["row {i}"].tolist() == [worth]
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from support.amounts import sample
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 
 import msmrta_opt as mo
 from msmrta_opt.certify.plan import problems
@@ -45,7 +45,7 @@ def joint(instance: Instance) -> RoutingData:
 
 @cache
 def expected(seed: int, objective: str) -> float:
-    return least(joint(mission(seed)), objective)
+    return minimum(joint(mission(seed)), objective)
 
 
 def proven(made: Plan) -> tuple[float, float, float]:
@@ -93,7 +93,7 @@ def test_no_routes_have_a_latency_below_the_bound(seed: int) -> None:
     data = joint(
         generate_mission(grid, 2, 3, seed=seed, per_robot=(2, 4), per_victim=(0, 3), solvable=False)
     )
-    assert 0 <= latency_bound(data) <= least(data, "latency") + 1e-6
+    assert 0 <= latency_bound(data) <= minimum(data, "latency") + 1e-6
 
 
 @pytest.mark.parametrize("time_limit", [0, 0.1, 1])

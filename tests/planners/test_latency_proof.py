@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from support.amounts import sample
 from support.joint_cases import MAPS
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 
 from msmrta_opt.certify.latency_proof import check_latency_proof
 from msmrta_opt.certify.plan_proof import check_plan_proof
@@ -61,7 +61,7 @@ def tree(seed: int) -> LatencyTree:
 def test_the_least_latency_is_proved_and_it_is_that_of_brute_force(
     seed: int, tmp_path: Path
 ) -> None:
-    best = pytest.approx(least(problem_of(optimum(seed)), "latency"))
+    best = pytest.approx(minimum(problem_of(optimum(seed)), "latency"))
     path = tmp_path / "proof.json"
     proof = prove_plan(optimum(seed), path=path)
     assert proof.status == "proved", proof.summary

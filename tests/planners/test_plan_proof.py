@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from support.amounts import sample
 from support.joint_cases import MAPS
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 
 from msmrta_opt.certify.certificates import claim_problems
 from msmrta_opt.certify.joint_proof import check_joint_proof
@@ -95,7 +95,7 @@ def test_the_best_value_is_proved_and_it_is_that_of_brute_force(
     proof = prove_plan(made, path=tmp_path / "proof.vipr")
     assert proof.status == "proved", proof.summary
     assert proof.exact_bound is not None
-    best = least(problem_of(made), objective)
+    best = minimum(problem_of(made), objective)
     assert float(proof.exact_bound) == pytest.approx(best, rel=1e-9)
 
 
@@ -106,7 +106,7 @@ def test_a_tree_is_proved_too_and_its_value_is_that_of_brute_force(
     path.write_text("\n".join(lines) + "\n")
     checked = check_joint_proof(path, branched())
     assert checked.whole
-    assert float(checked.bound) == pytest.approx(least(problem_of(branched()), "makespan"))
+    assert float(checked.bound) == pytest.approx(minimum(problem_of(branched()), "makespan"))
     assert "the makespan of 250 is optimal" in check_proof(path, branched())
 
 
@@ -295,7 +295,7 @@ def test_of_another_mission_no_proof_is_accepted_unless_it_is_true_of_it_too(
             check_joint_proof(path, plan)
     else:
         found = check_joint_proof(path, plan)
-        assert float(found.bound) <= least(problem_of(plan), "makespan")
+        assert float(found.bound) <= minimum(problem_of(plan), "makespan")
 
 
 @pytest.mark.parametrize(
@@ -304,7 +304,7 @@ def test_of_another_mission_no_proof_is_accepted_unless_it_is_true_of_it_too(
 def test_whatever_is_changed_what_is_still_accepted_is_true(
     seeds: range, lines: list[str], tmp_path: Path
 ) -> None:
-    best = least(problem_of(branched()), "makespan")
+    best = minimum(problem_of(branched()), "makespan")
     path = tmp_path / "tampered.vipr"
     accepted = 0
     for seed in seeds:

@@ -64,13 +64,13 @@ def mission(number: int) -> Instance:
     if chance.random() < 0.4:
         grid = with_more_walls(grid, chance)
     crowded = chance.random() < 0.1
-    most = 100 if crowded else 20
+    maximum = 100 if crowded else 20
     if combination(number)["victim_model"] == "victim_balanced":
-        most = 12  # branch and bound takes long on more, and this is not about time
+        maximum = 12  # branch and bound takes long on more, and this is not about time
     base = generate_mission(
         grid,
         chance.randint(2, 10),
-        chance.randint(1, most),
+        chance.randint(1, maximum),
         seed=number,
         per_robot=(0, 3),
         per_victim=(0, 4),

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 from support.joint_cases import any_routes, on_a_line, small_mission
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 from support.joint_random import first_come, random_data
 from support.searches import closed_in
 
@@ -38,7 +38,7 @@ def test_what_an_entry_names_exists(name: str) -> None:
 def test_its_bound_at_once_is_below_every_solution(name: str) -> None:
     for seed in range(20):
         data = random_data(seed, 2, 3, 5)
-        assert 0 <= OBJECTIVES[name].bound(data) <= least(data, name) + 1e-9
+        assert 0 <= OBJECTIVES[name].bound(data) <= minimum(data, name) + 1e-9
 
 
 def test_an_objective_that_is_none_is_refused_with_those_there_are() -> None:
@@ -53,7 +53,7 @@ def test_one_entry_is_enough_for_every_search() -> None:
     data = small_mission(1, 3, 6)
     own = replace(makespan, name="own")
     routes, bound = closed_in(data, own, any_routes(data))
-    assert bound.value == pytest.approx(least(data, "makespan"))
+    assert bound.value == pytest.approx(minimum(data, "makespan"))
     assert value(data, routes, own) == pytest.approx(bound.value)
     found = ruin_and_recreate(data, any_routes(data), own, stop=MaximumIterations(200))
     same = ruin_and_recreate(data, any_routes(data), "makespan", stop=MaximumIterations(200))

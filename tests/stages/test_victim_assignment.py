@@ -240,8 +240,8 @@ def test_balanced_is_the_least_busy_of_all_ways_to_cover_the_remaining_victims(
 
     assert sorted(v for _, v in chosen(b3)) == sorted(able)
     robot_of = {v: r for r, v in chosen(b3)}
-    least = min(busiest(robots) for robots in itertools.product(*able.values()))
-    assert busiest([robot_of[v] for v in able]) == pytest.approx(least)
+    minimum = min(busiest(robots) for robots in itertools.product(*able.values()))
+    assert busiest([robot_of[v] for v in able]) == pytest.approx(minimum)
 
 
 @pytest.mark.parametrize("model", [ONE_TO_ONE, COVERING, BALANCED])

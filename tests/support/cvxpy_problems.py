@@ -64,14 +64,16 @@ def unit_commitment(peak: float = 7) -> cp.Problem:
     start = cp.Variable((2, 3), boolean=True, name="start")
     power = cp.Variable((2, 3), nonneg=True, name="power")
     before = cp.hstack([np.zeros((2, 1)), on[:, :-1]])
-    least, most = np.array([[2], [1]]), np.array([[5], [4]])
+    minimum, maximum = np.array([[2], [1]]), np.array([[5], [4]])
     running = cp.sum(np.array([3, 1]) @ on) + cp.sum(np.array([2, 3]) @ power)
     return cp.Problem(
         cp.Minimize(running + 2 * cp.sum(start)),
         [
             (cp.sum(power, axis=0) == demand).set_label("demand of period {t} is met"),
-            (power <= cp.multiply(most, on)).set_label("unit {u} gives no more than it can in {t}"),
-            (power >= cp.multiply(least, on)).set_label("unit {u} gives its least in {t} if on"),
+            (power <= cp.multiply(maximum, on)).set_label(
+                "unit {u} gives no more than it can in {t}"
+            ),
+            (power >= cp.multiply(minimum, on)).set_label("unit {u} gives its least in {t} if on"),
             (on - before <= start).set_label("unit {u} is started before {t}"),
         ],
     )

@@ -46,28 +46,28 @@ def cluster_fair(data: ClusterData, *, psi: float) -> Answers:
 
 
 def victim_bottleneck(data: VictimData, *, beta: float) -> Answers:
-    cost, most = _cost(data, beta), 0
+    cost, maximum = _cost(data, beta), 0
     answers: dict[int, Answers] = {0: {}}
     for pairs in _choices(data):
         robots = [r for r, _ in pairs]
         if len(set(robots)) == len(robots):
-            most = max(most, len(pairs))
+            maximum = max(maximum, len(pairs))
             slowest = max((cost[pair] for pair in pairs), default=0.0)
             answers.setdefault(len(pairs), {})[key(_table(pairs, cost.shape))] = float(slowest)
-    return answers[most]
+    return answers[maximum]
 
 
 def victim_budgeted(data: VictimData, *, beta: float) -> Answers:
-    cost, most = _cost(data, beta), 0
+    cost, maximum = _cost(data, beta), 0
     answers: dict[int, Answers] = {0: {}}
     for pairs in _choices(data):
         if all(
             sum(r == s for s, _ in pairs) <= most_of_r for r, most_of_r in enumerate(data.budget)
         ):
-            most = max(most, len(pairs))
+            maximum = max(maximum, len(pairs))
             total = sum(cost[pair] for pair in pairs)
             answers.setdefault(len(pairs), {})[key(_table(pairs, cost.shape))] = float(total)
-    return answers[most]
+    return answers[maximum]
 
 
 def victim_generalized(data: VictimData, *, beta: float) -> Answers:
@@ -82,7 +82,7 @@ def victim_generalized(data: VictimData, *, beta: float) -> Answers:
             for r in range(len(data.busy))
         ]
         left = [max(e - b, 0.0) for e, b in zip(data.endurance, data.busy, strict=True)]
-        if all(time <= most for time, most in zip(busy, left, strict=True)):
+        if all(time <= maximum for time, maximum in zip(busy, left, strict=True)):
             total = sum(cost[pair] for pair in pairs)
             answers[key(_table(pairs, cost.shape))] = float(total)
     return answers

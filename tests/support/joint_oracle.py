@@ -15,7 +15,7 @@ import numpy as np
 from msmrta_opt.routing.problem import RoutingData
 
 
-def least(data: RoutingData, objective: str, stability: float = 0.0) -> float:
+def minimum(data: RoutingData, objective: str, stability: float = 0.0) -> float:
     """The best value of any routes; infinite if the limits allow none.
 
     Of the total time `stability` is added for each planned visit that its robot does not make.

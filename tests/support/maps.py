@@ -11,9 +11,9 @@ from msmrta_opt.mission.maps import grid_from_rows
 
 
 @st.composite
-def grids(draw: st.DrawFn, most: int = 5) -> GridMap:
-    """Random maps of up to `most` rows and columns, of which walls may leave no free cell."""
-    n_rows, n_cols = draw(st.integers(1, most)), draw(st.integers(1, most))
+def grids(draw: st.DrawFn, maximum: int = 5) -> GridMap:
+    """Random maps of up to `maximum` rows and columns, of which walls may leave no free cell."""
+    n_rows, n_cols = draw(st.integers(1, maximum)), draw(st.integers(1, maximum))
     row = st.text(".@", min_size=n_cols, max_size=n_cols)
     return grid_from_rows(draw(st.lists(row, min_size=n_rows, max_size=n_rows)))
 

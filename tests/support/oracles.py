@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from support import brute, exhaustive
 from support.joint_cases import on_a_line, small_mission
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 from support.small_cases import dense_case
 
 from msmrta_opt.mission.generate import generate_mission
@@ -123,7 +123,7 @@ def _about_routes(data: RoutingData, objective: str, weights: dict[str, float]) 
         routes = routes_of(solution)
         return None if faults(data, routes) else value(data, routes, objective)
 
-    best = least(data, objective)
+    best = minimum(data, objective)
     return Question(data, weights, best if np.isfinite(best) else None, worth)
 
 

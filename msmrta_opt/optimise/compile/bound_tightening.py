@@ -1,4 +1,4 @@
-"""Bounds that single rows imply, by the least and the largest that the rest of a row can be.
+"""Bounds that single rows imply, by the minimum and the maximum that the rest of a row can be.
 
 Savelsbergh (1994), "Preprocessing and probing techniques for mixed integer programming problems", 1.2.
 """
@@ -31,17 +31,17 @@ def tightened(program: Program) -> Program:
     for _ in range(ROUNDS):
         before = lower.copy(), upper.copy()
         for sign, side in ((1.0, program.row_upper), (-1.0, program.row_lower)):
-            a, most = sign * factors, sign * side
+            a, maximum = sign * factors, sign * side
             ends = a * np.where(a > 0, lower[columns], upper[columns])
             endless = np.isinf(ends)
             n_endless = np.bincount(rows[endless], minlength=n_rows)
             sums = np.bincount(rows, np.where(endless, 0.0, ends), minlength=n_rows)
             sizes = np.bincount(rows, np.where(endless, 0.0, np.abs(ends)), minlength=n_rows)
-            known = np.isfinite(most[rows]) & (n_endless[rows] == endless)
+            known = np.isfinite(maximum[rows]) & (n_endless[rows] == endless)
             at, a, row = columns[known], a[known], rows[known]
             rest = sums[row] - np.where(endless[known], 0.0, ends[known])
-            reach = (most[row] - rest) / a
-            room = SLACK * (np.abs(most[row]) + sizes[row]) / np.abs(a)
+            reach = (maximum[row] - rest) / a
+            room = SLACK * (np.abs(maximum[row]) + sizes[row]) / np.abs(a)
             whole = program.integer[at]
             high = np.where(whole, np.floor(reach + WHOLE), reach + room)
             low = np.where(whole, np.ceil(reach - WHOLE), reach - room)

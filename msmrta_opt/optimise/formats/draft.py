@@ -28,7 +28,7 @@ class Column:
     binary: bool = False
 
     def bounds(self) -> tuple[float, float]:
-        """The least and the greatest value.
+        """The minimum and the maximum.
 
         Raises
         ------

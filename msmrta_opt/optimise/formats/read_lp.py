@@ -238,7 +238,7 @@ def _name(token: _Token) -> str:
 
 
 class _Statement(NamedTuple):
-    """What a row or a bound says: least and greatest value, ``None`` where it says nothing."""
+    """What a row or a bound says: minimum and maximum, ``None`` where it says nothing."""
 
     terms: dict[str, float]
     lower: float | None

@@ -249,7 +249,7 @@ def _agreed(old: float | None, new: float | None) -> float | None:
 
 
 def _sides(kind: str, side: float, spread: float | None) -> tuple[float, float]:
-    """The least and the greatest activity of a row."""
+    """The minimum and the maximum activity of a row."""
     if math.isinf(side) and (spread is not None or (kind, side > 0) not in _NO_SIDE):
         raise InputError(f"side {side:g}; give one that a number can meet")
     if spread is None:

@@ -15,7 +15,7 @@ from ..program import Program
 from .base import EVERY_ABILITY, Options, Outcome, Solver
 from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
-MOST_SEEDS = 2_100_000_000
+MAX_SEEDS = 2_100_000_000
 """CPLEX has no more."""
 
 
@@ -62,7 +62,7 @@ def _set_options(model: Any, options: Options) -> None:
         for stream in ("results", "warning", "error", "log"):
             getattr(model, f"set_{stream}_stream")(None)
     model.parameters.threads.set(options.threads or 1)
-    model.parameters.randomseed.set((options.seed or 0) % MOST_SEEDS)
+    model.parameters.randomseed.set((options.seed or 0) % MAX_SEEDS)
     model.parameters.mip.tolerances.mipgap.set(min(options.gap or 0.0, 1.0))
     model.parameters.mip.tolerances.absmipgap.set(0.0)
     if options.time_limit is not None:
@@ -71,11 +71,11 @@ def _set_options(model: Any, options: Options) -> None:
 
 def _fill(cplex: Any, model: Any, program: Program) -> None:
     """Give `model` the program, as a minimisation without offset."""
-    most = cplex.infinity
+    maximum = cplex.infinity
     model.variables.add(
         obj=(program.sign * program.cost).tolist(),
-        lb=np.maximum(program.lower, -most).tolist(),
-        ub=np.minimum(program.upper, most).tolist(),
+        lb=np.maximum(program.lower, -maximum).tolist(),
+        ub=np.minimum(program.upper, maximum).tolist(),
         # Types make a mixed-integer program even of a continuous one.
         types="".join(np.where(program.integer, "I", "C")) if program.integer.any() else "",
     )
@@ -92,7 +92,7 @@ def _fill(cplex: Any, model: Any, program: Program) -> None:
             for a, b in zip(matrix.indptr[:-1], matrix.indptr[1:], strict=True)
         ],
         senses="".join(senses),
-        rhs=np.where(low, program.row_lower, np.minimum(program.row_upper, most)).tolist(),
+        rhs=np.where(low, program.row_lower, np.minimum(program.row_upper, maximum)).tolist(),
         range_values=width.tolist(),
     )
 

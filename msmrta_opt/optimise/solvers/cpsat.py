@@ -67,7 +67,9 @@ def scaled(coefficients: Floats, magnitudes: Floats, largest: float = LARGEST) -
     UnsupportedError
         If the coefficients need more digits than that leaves them.
     """
-    coefficients = np.where(magnitudes > 0, coefficients, 0.0)  # of what can only be 0 there is no limit
+    coefficients = np.where(
+        magnitudes > 0, coefficients, 0.0
+    )  # of what can only be 0 there is no limit
     size = float(np.abs(coefficients) @ magnitudes)
     scale = _denominator(coefficients)
     exact = scale is not None and scale * size <= largest
@@ -158,10 +160,10 @@ def _solve(program: Program, options: Options) -> Outcome:
         return Outcome("infeasible", nodes=nodes, message=status)
     if status == "MODEL_INVALID":
         return Outcome("error", message=f"CP-SAT: {model.validate()}")
-    least = solver.best_objective_bound
+    minimum = solver.best_objective_bound
     # Without a bound yet, CP-SAT reports 0 or the end of its integers.
-    known = abs(least) < LARGEST and not (status == "UNKNOWN" and least == 0)
-    bound = own_bound(program, (least - objective.error) / objective.scale) if known else None
+    known = abs(minimum) < LARGEST and not (status == "UNKNOWN" and minimum == 0)
+    bound = own_bound(program, (minimum - objective.error) / objective.scale) if known else None
     if status == "UNKNOWN":
         return Outcome("no_solution", None, bound, nodes, message=status)
     x = np.array([solver.value(variable) for variable in variables], dtype=float)

@@ -164,12 +164,12 @@ def _integer(
         return Outcome("no_solution", None, bound, message=stopped[code])
     x = np.array([glp.glp_mip_col_val(problem, j + 1) for j in range(program.n_columns)])
     value = glp.glp_mip_obj_val(problem)
-    least = root
+    minimum = root
     if code == 0:
-        least = value
+        minimum = value
     elif code == glp.GLP_EMIPGAP:
-        least = max(root, value - gap * abs(value))
-    return incumbent(program, x, own_bound(program, least), message=stopped[code])
+        minimum = max(root, value - gap * abs(value))
+    return incumbent(program, x, own_bound(program, minimum), message=stopped[code])
 
 
 SOLVER = Solver(

@@ -16,7 +16,7 @@ from ..program import Program
 from .base import EVERY_ABILITY, Options, Outcome, Solver
 from .outcomes import incumbent, own_bound, relaxation_first, unbounded_or_infeasible
 
-MOST_SEEDS = 2_000_000_000
+MAX_SEEDS = 2_000_000_000
 """Gurobi has no more."""
 
 
@@ -55,7 +55,7 @@ def run(program: Program, options: Options) -> Outcome:
 
 def _set_options(model: Any, options: Options) -> None:
     model.Params.Threads = options.threads or 1
-    model.Params.Seed = (options.seed or 0) % MOST_SEEDS
+    model.Params.Seed = (options.seed or 0) % MAX_SEEDS
     model.Params.MIPGap = options.gap or 0.0
     model.Params.MIPGapAbs = 0.0
     if options.time_limit is not None:

@@ -25,11 +25,11 @@ PROVEN = 1e-6
 """Relative difference up to which a bound proves a value, as solvers' own tolerances have it."""
 
 
-def own_bound(program: Program, least: float) -> float | None:
-    """The bound `least` on ``sign * cost @ x`` as one on the program's own objective."""
-    if not np.isfinite(least) or abs(least) >= INFINITE:
+def own_bound(program: Program, minimum: float) -> float | None:
+    """The bound `minimum` on ``sign * cost @ x`` as one on the program's own objective."""
+    if not np.isfinite(minimum) or abs(minimum) >= INFINITE:
         return None
-    return program.sign * float(least) + program.offset
+    return program.sign * float(minimum) + program.offset
 
 
 def incumbent(

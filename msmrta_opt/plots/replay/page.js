@@ -8,11 +8,11 @@ const calm = matchMedia("(prefers-reduced-motion: reduce)"), nightfall = matchMe
 const SECONDS = { mission: 40, scouting: 15 }, SAY_EVERY = 2500, CALM_EVERY = 1200;
 const horizon = Math.max(...plans.map((plan) => Math.max(plan.makespan, plan.run ? plan.run.end : 0)));
 const steps = Math.max(...plans.map((plan) => (plan.scouting ? plan.scouting.steps : -1)));
-const most = Math.max(...plans.map((plan) => plan.robots.length));
+const maximum = Math.max(...plans.map((plan) => plan.robots.length));
 const state = {
   phase: steps >= 0 ? "scouting" : "mission", t: 0, step: 0, playing: false, robot: null, victim: null,
   theme: nightfall.matches ? "dark" : "light", last: 0, said: 0, saidAt: 0,
-  layers: { trails: most > 12 ? "recent" : "all", ahead: false, clusters: false, replans: true, stages: new Map() },
+  layers: { trails: maximum > 12 ? "recent" : "all", ahead: false, clusters: false, replans: true, stages: new Map() },
 };
 const stageNames = [...new Map(plans.flatMap((plan) => plan.stages.map((s) => [s.name, s.title])))];
 const panels = plans.map(makePanel);

@@ -20,7 +20,7 @@ from .data import document
 from .run_data import document_of_run
 
 SCRIPTS = ("state.js", "draw.js", "timeline.js", "words.js", "page.js")
-MOST_PLANS = 2
+MAX_PLANS = 2
 FRAME_HEIGHT = 760
 """Pixels that a replay takes in a notebook."""
 
@@ -46,7 +46,7 @@ class Replay:
 
     def __init__(self, plans: Sequence[Plan | Run], labels: Sequence[str] | None = None) -> None:
         self.plans = tuple(plans)
-        if not 1 <= len(self.plans) <= MOST_PLANS:
+        if not 1 <= len(self.plans) <= MAX_PLANS:
             raise InputError(f"{len(self.plans)} plans; give one or two", field="plans")
         if labels is None:
             names = [says(plan) for plan in self.plans]

@@ -101,7 +101,7 @@ class Settings(NamedTuple):
     longest_string: int
     blink: float
     perturbed: float
-    most_candidates: int
+    max_candidates: int
 
 
 _F1, _F2, _F3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
@@ -398,7 +398,7 @@ def _ask(p: Problem, s: State, c: Settings, g: int) -> int:
 
     All that can, where they are few; else those at work nearest to it, and the next ones at home.
     """
-    if p.n_able[g] <= c.most_candidates:
+    if p.n_able[g] <= c.max_candidates:
         return _ask_all(p, s, g)
     n = 0
     s.counts[3] += 1
@@ -410,12 +410,12 @@ def _ask(p: Problem, s: State, c: Settings, g: int) -> int:
                 s.asked[r] = s.counts[3]
                 s.candidates[n] = r
                 n += 1
-        if n >= c.most_candidates:
+        if n >= c.max_candidates:
             break
-    closest, least = -1, np.inf
+    closest, minimum = -1, np.inf
     for r in range(len(s.length)):
-        if s.length[r] == 0 and p.able[g, r] and p.leave[r, p.victim[g]] < least:
-            closest, least = r, p.leave[r, p.victim[g]]
+        if s.length[r] == 0 and p.able[g, r] and p.leave[r, p.victim[g]] < minimum:
+            closest, minimum = r, p.leave[r, p.victim[g]]
     if closest >= 0 and s.asked[closest] != s.counts[3]:
         s.candidates[n] = closest
         n += 1

@@ -272,18 +272,18 @@ class _Program:
 
     def branch(self, shares: list[Floats]) -> Branch | None:
         """What the shares are undecided about: who serves a task, or when."""
-        best, most = None, 1e-6
+        best, maximum = None, 1e-6
         for g, (victim, kinds) in enumerate(self.tasks):
             for r, routes in enumerate(self.lists):
                 share = float(shares[r][self.when[g][r] >= 0].sum())
-                if min(share, 1 - share) > most:
-                    most = min(share, 1 - share)
+                if min(share, 1 - share) > maximum:
+                    maximum = min(share, 1 - share)
                     best = Branch(
                         victim=victim, kinds=kinds, robot=routes.network.robot, high=False
                     )
         if best is not None:
             return best
-        most = 1e-6
+        maximum = 1e-6
         for g, (victim, kinds) in enumerate(self.tasks):
             at: dict[float, float] = defaultdict(float)
             for r, own in enumerate(shares):
@@ -297,7 +297,7 @@ class _Program:
                 continue
             mean = sum(time * part for time, part in at.items()) / total
             spread = sum(abs(time - mean) * part for time, part in at.items()) / total
-            if spread * float(self.joint.priority[victim] or 1) > most:
-                most = spread * float(self.joint.priority[victim] or 1)
+            if spread * float(self.joint.priority[victim] or 1) > maximum:
+                maximum = spread * float(self.joint.priority[victim] or 1)
                 best = Branch(victim=victim, kinds=kinds, until=mean, high=False)
         return best

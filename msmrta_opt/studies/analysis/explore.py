@@ -21,7 +21,7 @@ from .plan_space import PlanSpace
 from .tradeoff_pictures import SYMBOL, numbers_of, plot_regions, short
 from .tradeoff_results import Regions, Segment, Tradeoff
 
-MOST_FRAMES = 12
+MAX_FRAMES = 12
 """Of a film strip; the rest is counted in its title."""
 FRAME = (3.6, 4.1)
 """Width and height of a frame in inches."""
@@ -97,7 +97,7 @@ class Explorer:
     @as_written
     def film(self) -> Picture:
         """The film strip: a map a frame, and of two parameters the square with the plans' numbers."""
-        shown = self.frames[:MOST_FRAMES]
+        shown = self.frames[:MAX_FRAMES]
         square = isinstance(self.result, Regions)
         count = len(shown) + square
         columns = min(count, 4 if count != 5 else 3)

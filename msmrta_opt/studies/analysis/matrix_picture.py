@@ -22,7 +22,7 @@ NAMED = 40
 """Up to so many rows, or columns, each has its name; of more their blocks have."""
 VALUED = 24
 """Up to so many columns, entries tell their coefficients."""
-MOST = 1500
+MAX = 1500
 """Dots along a side; of a larger matrix several entries share one."""
 OUTSIDE = "#C9CCD1"
 CLASSES = {
@@ -64,7 +64,7 @@ def plot_matrix(program: Program, ax: Axes | None = None) -> Axes:
     classes = classified(program, structure)
     names = CLASSES[kind]
     colours = np.array([*(to_rgb(colour) for _, colour in names), to_rgb(OUTSIDE)])
-    step = (-(-n // MOST), -(-m // MOST))
+    step = (-(-n // MAX), -(-m // MAX))
     image = np.ones((max(-(-n // step[0]), 1), max(-(-m // step[1]), 1), 3))
     image[row // step[0], column // step[1]] = colours[classes]
     ax.imshow(

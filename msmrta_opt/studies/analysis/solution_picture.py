@@ -22,7 +22,7 @@ from ...plots.style import FAINT, INK, SERIES, readable_on
 VALUED = 24
 """Up to so many things along a side, each cell tells its value."""
 COLOURS = colormaps["cividis"]
-MOST_NAMED = 40
+MAX_NAMED = 40
 """Names along a side."""
 IMPOSSIBLE = "#EEEEEE"
 
@@ -166,7 +166,7 @@ def margins(program: Program, solution: Solution, block: Block) -> tuple[Margin,
 
 def _every(n: int) -> range:
     """Which of `n` places are named: all, or of many one in so many."""
-    return range(0, n, -(-n // MOST_NAMED))
+    return range(0, n, -(-n // MAX_NAMED))
 
 
 def _turned(names: Sequence[object]) -> bool:

@@ -34,8 +34,8 @@ STAGES = ("cluster", "victim")
 """Whose formulations may have a parameter to trade off: those that say who takes what."""
 Item = TypeVar("Item")
 Done = TypeVar("Done")
-MOST_TIES = 20
-"""Most optimal assignments that are reported of one breakpoint."""
+MAX_TIES = 20
+"""Maximum number of optimal assignments that are reported of one breakpoint."""
 
 
 @overload
@@ -96,7 +96,7 @@ def tradeoff(
     if not segments:
         raise KeyboardInterrupt  # which alone leaves none
     breakpoints = [piece.low for piece in pieces.pieces[1 : len(segments)]]
-    found = _in_time(breakpoints, lambda t: (t, *optima(family, t, most=MOST_TIES)))
+    found = _in_time(breakpoints, lambda t: (t, *optima(family, t, maximum=MAX_TIES)))
     front = frontier(family, pieces)
     return Tradeoff(
         over=over,
@@ -207,7 +207,7 @@ class _Problem:
 
     def is_unique(self, piece: Piece) -> bool:
         """Whether nothing else is optimal inside `piece`."""
-        lines, all_of_them = optima(self.family, (piece.low + piece.high) / 2, most=2)
+        lines, all_of_them = optima(self.family, (piece.low + piece.high) / 2, maximum=2)
         return len(lines) == 1 and all_of_them
 
     def chosen_by_planner(self, piece: Piece) -> Line:

@@ -137,9 +137,9 @@ def _write_pieces(page: Page, result: Tradeoff, left: float, top: float) -> None
             f"{short(s.low)} to {short(s.high)}: makespan {m.makespan:.5g}, {m.distance} cells, "
             f"total {m.total_time:.5g}"
         )
-    most = int((PANEL - 0.6) / line)
-    if len(rows) > most:
-        rows = [*rows[: most - 1], f"… and {len(rows) - most + 1} more"]
+    maximum = int((PANEL - 0.6) / line)
+    if len(rows) > maximum:
+        rows = [*rows[: maximum - 1], f"… and {len(rows) - maximum + 1} more"]
     room = (INNER / 2 - 2 * GAP) * POINTS_PER_INCH
     for number, row in enumerate(rows):
         page.write(left, top + number * line, fitted(row, 8, room), 8)
@@ -155,8 +155,8 @@ def _sides(result: Tradeoff, at: Fraction | None) -> list[Segment]:
         return list(result.segments)
     if at is not None:
         return list(pairs[result.breakpoints.index(at)])
-    most = max(pairs, key=lambda pair: _changes(pair[0].assignment, pair[1].assignment))
-    return [*most]
+    maximum = max(pairs, key=lambda pair: _changes(pair[0].assignment, pair[1].assignment))
+    return [*maximum]
 
 
 def _changes(before: Assignment, after: Assignment) -> int:

@@ -39,7 +39,7 @@ OBJECTIVES = {
     "psi": ("requirements met", "requirements met of fully satisfied victims"),
     "beta": ("success time", "failure time"),
 }
-MOST_NAMED = 12
+MAX_NAMED = 12
 """Breakpoints that are named one by one; of more, the names would overlap."""
 NAME_FONT, SMALL = 7.5, 8.0
 LEADER = 5.0
@@ -241,7 +241,7 @@ def _parameter_axis(ax: Axes, result: Tradeoff) -> None:
     ax.tick_params(labelsize=SMALL)
     for t in result.breakpoints:
         ax.axvline(float(t), color=FAINT, linewidth=0.8, linestyle="--", zorder=0.5)
-    if 0 < len(result.breakpoints) <= MOST_NAMED:
+    if 0 < len(result.breakpoints) <= MAX_NAMED:
         _name_breakpoints(ax, result.breakpoints)
 
 
@@ -267,9 +267,9 @@ def _name_breakpoints(ax: Axes, breakpoints: Sequence[Fraction]) -> None:
         ).set_in_layout(False)
 
 
-def apart(places: NDArray[np.float64], least: float) -> NDArray[np.float64]:
-    """Ascending places, moved as little as can be (least squares) to be `least` apart."""
-    steps = least * np.arange(len(places))
+def apart(places: NDArray[np.float64], minimum: float) -> NDArray[np.float64]:
+    """Ascending places, moved as little as can be (least squares) to be `minimum` apart."""
+    steps = minimum * np.arange(len(places))
     return np.asarray(isotonic_regression(places - steps).x + steps, dtype=np.float64)
 
 

@@ -62,7 +62,7 @@ class Tradeoff:
     segments : tuple of Segment
         In order, covering the parameter's range; only the first of it, if `interruption` ended it.
     ties : dict of Fraction to tuple of Assignment
-        At each breakpoint all optimal assignments, up to `MOST_TIES`.
+        At each breakpoint all optimal assignments, up to `MAX_TIES`.
     more_ties : frozenset of Fraction
         Breakpoints that have more of them.
     frontier : Frontier

@@ -14,9 +14,9 @@ from .text import slug
 if TYPE_CHECKING:
     import pandas as pd
 
-MOST_LABELS = 10
+MAX_LABELS = 10
 """Along one side of a panel of a heat map."""
-MOST_ROWS = 12
+MAX_ROWS = 12
 """Of a table that is not folded."""
 
 
@@ -48,7 +48,7 @@ class Table:
     @property
     def is_long(self) -> bool:
         """Whether the page folds it."""
-        return len(self.data) > MOST_ROWS
+        return len(self.data) > MAX_ROWS
 
     def best(self) -> set[tuple[int, int]]:
         """Row and column of the best values, where not all are equal."""
@@ -186,5 +186,5 @@ class Section:
 
 
 def _labels(values: Sequence[int]) -> list[tuple[int, int]]:
-    step = -(-len(values) // MOST_LABELS)
+    step = -(-len(values) // MAX_LABELS)
     return list(enumerate(values))[::step]

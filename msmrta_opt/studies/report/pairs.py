@@ -136,8 +136,8 @@ class Comparison:
     def fullest(self) -> list[str]:
         """Those that serve the maximum, who alone are ranked."""
         served = {who: np.nan_to_num(self.mean_served(who), nan=1.0) for who in self.contenders}
-        most = max(served.values(), default=1.0)
-        return [who for who, share in served.items() if share >= most - SAME]
+        maximum = max(served.values(), default=1.0)
+        return [who for who, share in served.items() if share >= maximum - SAME]
 
     @property
     def ranked(self) -> list[str]:

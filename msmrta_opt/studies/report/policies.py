@@ -216,7 +216,7 @@ def _regret(scenario: str, runs: pd.DataFrame, name: str) -> Table | None:
         bounded = mine[mine["hindsight_bound"] > 0]
         most = 100 * (bounded[objective] / bounded["hindsight_bound"] - 1).to_numpy(float)
         proved = mine["hindsight_best"] - mine["hindsight_bound"] <= SAME * mine["hindsight_best"]
-        low = mean_of(np.maximum(least, 0))
+        low = mean_of(np.maximum(minimum, 0))
         rows.append(
             {
                 "contender": who,
@@ -224,8 +224,8 @@ def _regret(scenario: str, runs: pd.DataFrame, name: str) -> Table | None:
                 "regret, at least (%)": low.value,
                 "from": low.low,
                 "to": low.high,
-                "highest (%)": least.max() if len(least) else float("nan"),
-                "regret, at most (%)": most.mean() if len(most) else float("nan"),
+                "highest (%)": minimum.max() if len(minimum) else float("nan"),
+                "regret, at most (%)": maximum.mean() if len(maximum) else float("nan"),
                 "proved (%)": 100 * proved.mean(),
             }
         )

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..specification import Study
 
 DPI = 150
-MOST_PIXELS = 12_000
+MAX_PIXELS = 12_000
 """Along a side of a PNG: a study of many contenders or maps has it in fewer dots."""
 RUNS = f"{DATA}/runs.csv"
 
@@ -146,7 +146,7 @@ def _write_files(block: Block, folder: Path) -> None:
 
 def _write_png(picture: Figure, path: Path) -> None:
     write_plainly(picture)
-    save_figure(picture, path, dpi=min(DPI, MOST_PIXELS / max(picture.get_size_inches())))
+    save_figure(picture, path, dpi=min(DPI, MAX_PIXELS / max(picture.get_size_inches())))
 
 
 def _write_csv(data: pd.DataFrame, path: Path) -> None:

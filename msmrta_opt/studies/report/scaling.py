@@ -27,11 +27,11 @@ VICTIMS = "victims"
 PRODUCT = "robots × victims"
 FITTED = {"error": "standard error", "r2": "R²", "coefficient": "coefficient (s)"}
 """What a table calls the fields of a `Fit`, where not by their names."""
-LEAST_SIZES = 5
+MIN_SIZES = 5
 """Different sizes below which no exponent is fitted."""
-LEAST_DRAWN = 3
+MIN_DRAWN = 3
 """Different sizes below which nothing is drawn."""
-MOST_ERROR, MOST_ERROR_SHARE = 0.05, 0.1
+MAX_ERROR, MAX_ERROR_SHARE = 0.05, 0.1
 """Standard error, and its share of the exponent, up to which a law is said: either suffices."""
 
 
@@ -59,7 +59,7 @@ def fit(sizes: ArrayLike, seconds: ArrayLike) -> Fit | None:
     x, y = np.asarray(sizes, float), np.asarray(seconds, float)
     known = (x > 0) & (y > 0)
     x, y = np.log(x[known]), np.log(y[known])
-    if len(np.unique(x)) < LEAST_SIZES:
+    if len(np.unique(x)) < MIN_SIZES:
         return None
     dx, dy = x - x.mean(), y - y.mean()
     exponent = (dx @ dy) / (dx @ dx)
@@ -67,7 +67,7 @@ def fit(sizes: ArrayLike, seconds: ArrayLike) -> Fit | None:
     total = float(dy @ dy)
     freedom = len(x) - 2
     error = float(np.sqrt(residual / freedom / (dx @ dx)))
-    if error > max(MOST_ERROR, MOST_ERROR_SHARE * abs(exponent)):
+    if error > max(MAX_ERROR, MAX_ERROR_SHARE * abs(exponent)):
         return None
     return Fit(
         exponent=float(exponent),
@@ -101,13 +101,13 @@ def growths(runs: pd.DataFrame) -> Iterator[Growth]:
         .reset_index()
     )
     for name, here in seconds.groupby("map", sort=False):
-        most = int(here["n_robots"].max())
-        largest = here[here["n_robots"] == most]
-        found = [_growth(name, VICTIMS, most, largest.assign(size=largest["n_victims"]))]
-        if most > here["n_robots"].min():
+        maximum = int(here["n_robots"].max())
+        largest = here[here["n_robots"] == maximum]
+        found = [_growth(name, VICTIMS, maximum, largest.assign(size=largest["n_victims"]))]
+        if maximum > here["n_robots"].min():
             product = here["n_robots"] * here["n_victims"]
             found.append(_growth(name, PRODUCT, None, here.assign(size=product)))
-        yield from (growth for growth in found if growth.data["size"].nunique() >= LEAST_DRAWN)
+        yield from (growth for growth in found if growth.data["size"].nunique() >= MIN_DRAWN)
 
 
 def _growth(name: str, over: str, n_robots: int | None, points: pd.DataFrame) -> Growth:
@@ -217,8 +217,8 @@ def scaling_blocks(
                 " instances that the contender finished; runs that ended at a limit have no time"
                 " and are not in the fit, so where there are failures the exponent is of the"
                 " easier instances. A law is given where there are"
-                f" {LEAST_SIZES} sizes or more and the standard error is at most {MOST_ERROR:g} or"
-                f" {MOST_ERROR_SHARE:.0%} of the exponent.",
+                f" {MIN_SIZES} sizes or more and the standard error is at most {MAX_ERROR:g} or"
+                f" {MAX_ERROR_SHARE:.0%} of the exponent.",
             )
         )
     return blocks
@@ -232,12 +232,12 @@ def _fixed(growth: Growth) -> str:
     return "" if growth.n_robots is None else f", {growth.n_robots} robots"
 
 
-def _spread(sizes: np.ndarray, most: int = 7) -> list[float]:
-    """At most `most` of `sizes`, about evenly spread on a logarithmic axis, ends included."""
-    if len(sizes) <= most:
+def _spread(sizes: np.ndarray, maximum: int = 7) -> list[float]:
+    """At most `maximum` of `sizes`, about evenly spread on a logarithmic axis, ends included."""
+    if len(sizes) <= maximum:
         chosen = list(sizes)
     else:
-        wanted = np.geomspace(sizes[0], sizes[-1], most)
+        wanted = np.geomspace(sizes[0], sizes[-1], maximum)
         chosen = list(dict.fromkeys(sizes[np.abs(sizes - w).argmin()] for w in wanted))
     kept = chosen[:1]
     for size in chosen[1:]:

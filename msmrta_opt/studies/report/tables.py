@@ -20,7 +20,7 @@ STATUSES = (
     *("optimal", "claimed", "feasible", "no_solution", "infeasible", "unbounded"),
     *("contradicted", "error"),
 )
-MOST_NAMED = 3
+MAX_NAMED = 3
 """Instances of a failure that are named; the rest is in the table of all runs."""
 
 
@@ -181,14 +181,14 @@ def failure_table(runs: pd.DataFrame) -> Table:
     groups = failed.groupby(["contender", "outcome", "error"], sort=False)
     for (contender, outcome, error), group in groups:
         names = list(dict.fromkeys(group["instance"]))
-        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        more = f" and {len(names) - MAX_NAMED} more" if len(names) > MAX_NAMED else ""
         rows.append(
             {
                 "contender": contender,
                 "outcome": outcome,
                 "error": error,
                 "runs": len(group),
-                "instances": ", ".join(names[:MOST_NAMED]) + more,
+                "instances": ", ".join(names[:MAX_NAMED]) + more,
             }
         )
     return Table("errors", "Why", pd.DataFrame(rows))

@@ -57,9 +57,9 @@ def planner_sentence(found: Comparison) -> str:
     if equal and others:
         said += f". As good and slower: {', '.join(equal)}"
     if left := [who for who in found.contenders if who not in ranked]:
-        most = 100 * found.mean_served(best)
+        maximum = 100 * found.mean_served(best)
         less = ", ".join(f"{who} {100 * found.mean_served(who):.4g} %" for who in left)
-        said += f". Out, for serving less than {most:.4g} % of what can be served: {less}"
+        said += f". Out, for serving less than {maximum:.4g} % of what can be served: {less}"
     return f"{said}.{_price(found, best)}"
 
 

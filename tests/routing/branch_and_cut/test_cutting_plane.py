@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import linprog
 from support.amounts import sample
 from support.joint_cases import any_routes, on_a_line, small_mission
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 from support.searches import exactly
 
 from msmrta_opt.mission.errors import InputError
@@ -57,8 +57,8 @@ def by_linprog(program: Program) -> float:
 
 
 def formulation_of(data: RoutingData, objective: str) -> EdgeFormulation:
-    most = value(data, any_routes(data), objective)
-    return EdgeFormulation.of(data, objective, most)
+    maximum = value(data, any_routes(data), objective)
+    return EdgeFormulation.of(data, objective, maximum)
 
 
 @pytest.mark.parametrize("objective", OBJECTIVES)
@@ -113,7 +113,7 @@ def test_the_stored_program_proves_the_bound_by_its_dual_values_and_by_another_s
 @pytest.mark.parametrize("seed", sample(range(6), 3))
 def test_no_bound_on_the_way_exceeds_the_optimum(seed: int, objective: str) -> None:
     data = small_mission(seed, 3, 5)
-    optimum = least(data, objective)
+    optimum = minimum(data, objective)
     bounds: list[float] = []
     relaxation = Relaxation(formulation_of(data, objective), parameters=exactly(1))
     relaxation.solve(proved=bounds.append)
@@ -128,7 +128,7 @@ def test_a_stop_before_the_first_program_leaves_a_bound(objective: str) -> None:
     relaxed = Relaxation(formulation_of(data, objective)).solve(MaximumRuntime(0))
     assert not relaxed.finished
     assert np.isfinite(relaxed.bound)
-    assert relaxed.bound <= least(data, objective)
+    assert relaxed.bound <= minimum(data, objective)
 
 
 def test_a_stop_between_rounds_is_obeyed() -> None:

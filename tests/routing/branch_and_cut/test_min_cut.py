@@ -55,29 +55,29 @@ def test_both_sides_are_minimum_cuts_the_smallest_from_either_end(seed: int) -> 
     rng = np.random.default_rng(seed)
     weight = _graph(rng)
     source, sink = (int(v) for v in rng.choice(N, 2, replace=False))
-    least = _least_cut(weight, source, sink)
+    minimum = _least_cut(weight, source, sink)
     near, far = sides(capacities(weight), source, sink)
     assert near[source]
     assert far[sink]
     assert not (near & far).any()
     for side in (near, far):
-        assert _leaving(weight, tuple(np.flatnonzero(side))) == pytest.approx(least)
+        assert _leaving(weight, tuple(np.flatnonzero(side))) == pytest.approx(minimum)
 
 
 @pytest.mark.parametrize("seed", sample(range(60), 12))
 def test_merging_keeps_the_least_cut_around_each_vertex_and_between_the_ends(seed: int) -> None:
     weight, visit = _tours(np.random.default_rng(seed))
-    small, most, group = merged(weight, visit)
-    n = len(most)
+    small, maximum, group = merged(weight, visit)
+    n = len(maximum)
     assert len(small) == n + 2
     assert _least_cut(small, n, n + 1) == pytest.approx(_least_cut(weight, N - 2, N - 1))
     for v in range(N - 2):
         # The ends are one vertex here.
         before, after = _joined(weight), _joined(small)
-        assert most[group[v]] >= visit[v]
-        if most[group[v]] == visit[v]:
-            least = _least_cut(after, int(group[v]), n)
-            assert least == pytest.approx(_least_cut(before, v, N - 2))
+        assert maximum[group[v]] >= visit[v]
+        if maximum[group[v]] == visit[v]:
+            minimum = _least_cut(after, int(group[v]), n)
+            assert minimum == pytest.approx(_least_cut(before, v, N - 2))
 
 
 def test_much_is_merged_where_little_is_undecided() -> None:

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import Bounds, LinearConstraint, milp
 from support.amounts import sample
 from support.joint_cases import any_routes, on_a_line, small_mission
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 from support.searches import exactly
 
 from msmrta_opt.arrays import Floats
@@ -47,15 +47,15 @@ def by_milp(formulation: EdgeFormulation, lower: Floats, upper: Floats) -> float
 @pytest.mark.parametrize("seed", sample(range(5), 3))
 def test_whatever_the_upper_bound_the_optimum_is_not_cut_off(seed: int, objective: str) -> None:
     data = small_mission(seed, 3, 5)
-    optimum = least(data, objective)
-    most = value(data, any_routes(data), objective)
-    formulation = EdgeFormulation.of(data, objective, most)
+    optimum = minimum(data, objective)
+    maximum = value(data, any_routes(data), objective)
+    formulation = EdgeFormulation.of(data, objective, maximum)
     relaxed = Relaxation(formulation, parameters=exactly()).solve()
     step = objective_step(data, objective).step
     assert step > 0
     zero, one = np.zeros(formulation.n_columns), formulation.upper
     assert by_milp(formulation, zero, one) == pytest.approx(optimum)
-    for upper in (optimum + step, optimum + 10 * step, most):
+    for upper in (optimum + step, optimum + 10 * step, maximum):
         low, high = fixed(formulation, relaxed, upper, zero, one)
         assert (low <= high).all()
         if upper > optimum + step / 2:
@@ -64,11 +64,11 @@ def test_whatever_the_upper_bound_the_optimum_is_not_cut_off(seed: int, objectiv
 
 def test_a_tight_upper_bound_fixes_more_than_a_loose_one() -> None:
     data = small_mission(2, 3, 8)
-    most = value(data, any_routes(data), "total_time")
-    formulation = EdgeFormulation.of(data, "total_time", most)
+    maximum = value(data, any_routes(data), "total_time")
+    formulation = EdgeFormulation.of(data, "total_time", maximum)
     relaxed = Relaxation(formulation, parameters=exactly()).solve()
     zero, one = np.zeros(formulation.n_columns), formulation.upper
-    loose = fixed(formulation, relaxed, most, zero, one)[1].sum()
+    loose = fixed(formulation, relaxed, maximum, zero, one)[1].sum()
     tight = fixed(formulation, relaxed, relaxed.bound + 10.0, zero, one)[1].sum()
     assert tight < loose <= one.sum()
 

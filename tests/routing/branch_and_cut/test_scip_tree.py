@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.amounts import sample
 from support.joint_cases import any_routes, on_a_line, small_mission
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 from support.searches import Told, closed_in
 
 from msmrta_opt.mission.errors import InputError
@@ -47,7 +47,7 @@ def holds(data: RoutingData, objective: str, routes: Routes, bound: Bound) -> No
 def test_solutions_and_bounds_equal_brute_force(seed: int, objective: str) -> None:
     data = small_mission(seed, 3, 6, map_number=(0, 2, 3)[seed % 3])
     routes, bound = closed_in(data, objective, any_routes(data))
-    optimum = least(data, objective)
+    optimum = minimum(data, objective)
     assert value(data, routes, objective) == pytest.approx(optimum)
     assert bound.value == pytest.approx(optimum)
     holds(data, objective, routes, bound)
@@ -61,18 +61,18 @@ def test_either_tree_alone_proves_the_optimum(
 ) -> None:
     monkeypatch.setattr(tree, "has_scip", lambda: has_scip)
     data = small_mission(seed, 2, 6)
-    optimum = least(data, objective)
-    most = value(data, any_routes(data), objective)
-    formulation = EdgeFormulation.of(data, objective, most)
+    optimum = minimum(data, objective)
+    maximum = value(data, any_routes(data), objective)
+    formulation = EdgeFormulation.of(data, objective, maximum)
     found: list[Routes] = []
     outcome = search_tree(
-        Subproblem(formulation, np.zeros(formulation.n_columns), formulation.upper, most),
+        Subproblem(formulation, np.zeros(formulation.n_columns), formulation.upper, maximum),
         improved=found.append,
     )
     assert outcome.complete
     assert outcome.bound == pytest.approx(optimum)
     worth = [value(data, routes, objective) for routes in found if not faults(data, routes)]
-    assert min([most, *worth]) == pytest.approx(optimum)
+    assert min([maximum, *worth]) == pytest.approx(optimum)
 
 
 @pytest.mark.parametrize("has_scip", TREES.values(), ids=TREES)
@@ -81,7 +81,7 @@ def test_a_tree_that_is_asked_for_better_than_the_optimum_says_there_is_nothing(
 ) -> None:
     monkeypatch.setattr(tree, "has_scip", lambda: has_scip)
     data = small_mission(1, 2, 6)
-    optimum = least(data, "total_time")
+    optimum = minimum(data, "total_time")
     formulation = EdgeFormulation.of(data, "total_time", optimum)
     found: list[Routes] = []
     outcome = search_tree(
@@ -100,7 +100,7 @@ def test_without_scip_the_method_proves_the_same(
     monkeypatch.setattr(tree, "has_scip", lambda: False)
     data = small_mission(5, 3, 6)
     routes, bound = closed_in(data, objective, any_routes(data))
-    assert bound.value == pytest.approx(least(data, objective))
+    assert bound.value == pytest.approx(minimum(data, objective))
     holds(data, objective, routes, bound)
 
 
@@ -109,7 +109,7 @@ def test_without_scip_the_method_proves_the_same(
 def test_robots_that_return_equal_brute_force(seed: int, objective: str) -> None:
     data = small_mission(seed, 2, 6, return_to_start=True)
     _, bound = closed_in(data, objective, any_routes(data))
-    assert bound.value == pytest.approx(least(data, objective))
+    assert bound.value == pytest.approx(minimum(data, objective))
 
 
 @pytest.mark.parametrize("objective", BOTH)
@@ -125,7 +125,7 @@ def test_limits_that_bite_equal_brute_force(objective: str) -> None:
     ):
         start = split if not faults(limited, split) else split[::-1]
         routes, bound = closed_in(limited, objective, start)
-        assert bound.value == pytest.approx(least(limited, objective))
+        assert bound.value == pytest.approx(minimum(limited, objective))
         holds(limited, objective, routes, bound)
 
 
@@ -135,7 +135,7 @@ def test_a_stop_at_any_moment_leaves_a_plan_and_a_bound_that_holds(
     seed: int, objective: str
 ) -> None:
     data = small_mission(seed, 3, 6)
-    optimum = least(data, objective)
+    optimum = minimum(data, objective)
     for asked in (0, 1, 2, 3, 5, 8, 20, 60):
         left = iter(range(asked))
         routes, bound = closed_in(
@@ -186,7 +186,7 @@ def test_a_mission_without_anything_to_do_is_solved_at_once(objective: str) -> N
 def test_the_bound_at_once_is_a_bound(seed: int) -> None:
     data = small_mission(seed, 2, 4)
     for objective in BOTH:
-        assert OBJECTIVES[objective].bound(data) <= least(data, objective) + 1e-9
+        assert OBJECTIVES[objective].bound(data) <= minimum(data, objective) + 1e-9
 
 
 def test_routes_that_are_not_feasible_are_refused() -> None:
@@ -249,5 +249,5 @@ def test_where_scip_fails_highs_goes_on(objective: str, monkeypatch: pytest.Monk
         improved=found.append,
     )
     assert outcome.complete
-    assert outcome.bound == pytest.approx(least(data, objective))
-    assert value(data, found[-1], objective) == pytest.approx(least(data, objective))
+    assert outcome.bound == pytest.approx(minimum(data, objective))
+    assert value(data, found[-1], objective) == pytest.approx(minimum(data, objective))

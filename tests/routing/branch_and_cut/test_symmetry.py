@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.joint_cases import any_routes, on_a_line
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 from support.searches import closed_in
 
 from msmrta_opt.routing.branch_and_cut import tree
@@ -63,8 +63,8 @@ def test_the_longest_walk_of_equal_robots_is_proven_even_where_detours_are_short
     data = equal_robots(seed, kinds=kinds, returns=returns, detours=detours)
     routes, bound = closed_in(data, "makespan", any_routes(data))
     assert faults(data, routes) == []
-    assert value(data, routes, "makespan") == pytest.approx(least(data, "makespan"))
-    assert bound.value == pytest.approx(least(data, "makespan"))
+    assert value(data, routes, "makespan") == pytest.approx(minimum(data, "makespan"))
+    assert bound.value == pytest.approx(minimum(data, "makespan"))
 
 
 @pytest.mark.parametrize(("seed", "kinds", "returns", "detours"), CASES)
@@ -73,7 +73,7 @@ def test_the_total_time_of_equal_robots_is_bounded_and_met_where_one_kind_is_nee
 ) -> None:
     data = equal_robots(seed, kinds=kinds, returns=returns, detours=detours)
     routes, bound = closed_in(data, "total_time", any_routes(data))
-    optimum = least(data, "total_time")
+    optimum = minimum(data, "total_time")
     assert bound.value <= optimum + 1e-6
     assert value(data, routes, "total_time") >= optimum - 1e-6
     if kinds == 1 or not detours:

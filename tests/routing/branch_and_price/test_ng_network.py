@@ -100,9 +100,9 @@ def test_no_route_that_is_cheap_enough_is_ruled_out(seed: int) -> None:
     data, tasks, network = made(seed)
     cost, duals = priced(seed, tasks, network)
     routes = [(worth(duals, stops), stops) for stops in every_route(data, tasks, network)]
-    most = sorted(cost for cost, _ in routes)[len(routes) // 20]
-    fix(network, cost, most + 1e-6)
-    assert all(network.allows(stops) for cost, stops in routes if cost <= most)
+    maximum = sorted(cost for cost, _ in routes)[len(routes) // 20]
+    fix(network, cost, maximum + 1e-6)
+    assert all(network.allows(stops) for cost, stops in routes if cost <= maximum)
     assert not all(network.allows(stops) for _, stops in routes)
 
 
@@ -111,12 +111,12 @@ def test_the_list_has_for_every_cheap_route_one_that_is_no_later(seed: int) -> N
     data, tasks, network = made(seed)
     cost, duals = priced(seed, tasks, network)
     routes = [(worth(duals, stops), stops) for stops in every_route(data, tasks, network)]
-    most = sorted(cost for cost, _ in routes)[len(routes) // 10]
-    listed = enumerate_routes(data, tasks, network, cost, most + 1e-6, DEFAULT)
+    maximum = sorted(cost for cost, _ in routes)[len(routes) // 10]
+    listed = enumerate_routes(data, tasks, network, cost, maximum + 1e-6, DEFAULT)
     assert listed is not None
     real = {frozenset(stops) for _, stops in routes}
     for _, stops in listed:
-        assert worth(duals, stops) <= most + 1e-6
+        assert worth(duals, stops) <= maximum + 1e-6
         assert min(
             max(abs(t - u) for (_, _, t), (_, _, u) in zip(sorted(stops), sorted(one), strict=True))
             for one in real
@@ -124,7 +124,7 @@ def test_the_list_has_for_every_cheap_route_one_that_is_no_later(seed: int) -> N
         ) == pytest.approx(0.0, abs=1e-6)
     done = [{(v, own): t for v, own, t in stops} for _, stops in listed]
     for cost_of_it, stops in routes:
-        if cost_of_it <= most:
+        if cost_of_it <= maximum:
             mine = {(v, own): t for v, own, t in stops}
             assert any(
                 one.keys() == mine.keys() and all(one[key] <= mine[key] + 1e-6 for key in one)

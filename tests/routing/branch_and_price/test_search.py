@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from support.amounts import sample
 from support.joint_cases import any_routes, on_a_line, small_mission
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 from support.searches import Told, closed_in
 
 from msmrta_opt.mission.errors import InputError
@@ -25,7 +25,7 @@ LONG = 60.0
 
 def assert_proven(data: RoutingData, incumbent: Routes | None = None) -> None:
     """The search ends with what brute force finds, and never claimed more on its way."""
-    expected = least(data, "latency")
+    expected = minimum(data, "latency")
     seen: list[tuple[float, float]] = []
 
     def report(state: SearchState, what: str) -> None:

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from support.amounts import sample
-from support.joint_oracle import least
+from support.joint_oracle import minimum
 from support.joint_random import first_come, limited, random_data
 from support.searches import Told, closed_in
 
@@ -104,7 +104,7 @@ def test_in_the_end_every_subset_is_best(seed: int) -> None:
     )
     for robots in combinations(range(3), 2):
         subset, own, _ = subset_of(data, progress.routes, list(robots))
-        assert value(subset, own, "total_time") == pytest.approx(least(subset, "total_time"))
+        assert value(subset, own, "total_time") == pytest.approx(minimum(subset, "total_time"))
 
 
 def test_subsets_grow_where_several_bring_nothing_and_none_comes_twice() -> None:

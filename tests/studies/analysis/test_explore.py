@@ -8,7 +8,7 @@ import pytest
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance
-from msmrta_opt.studies.analysis.explore import MOST_FRAMES, Explorer, explore
+from msmrta_opt.studies.analysis.explore import MAX_FRAMES, Explorer, explore
 from msmrta_opt.studies.analysis.tradeoff import tradeoff, tradeoff_regions
 from msmrta_opt.studies.analysis.tradeoff_results import Regions, Tradeoff
 
@@ -60,10 +60,10 @@ def test_the_film_has_a_map_for_each_plan_and_the_square_before_them(
 
 def test_a_film_of_many_plans_says_how_many_it_leaves_out(over_psi: Tradeoff) -> None:
     explorer = Explorer(over_psi)
-    explorer.frames = explorer.frames * MOST_FRAMES
+    explorer.frames = explorer.frames * MAX_FRAMES
     film = explorer.film()
-    assert len(film.axes) == MOST_FRAMES
-    assert film.get_suptitle() == f"{MOST_FRAMES} of {2 * MOST_FRAMES} plans"
+    assert len(film.axes) == MAX_FRAMES
+    assert film.get_suptitle() == f"{MAX_FRAMES} of {2 * MAX_FRAMES} plans"
 
 
 def test_without_widgets_it_is_a_picture(

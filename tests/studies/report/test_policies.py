@@ -57,8 +57,8 @@ def test_regret_is_the_share_above_the_best_that_the_world_allowed(
     regret = tables["policies-regret-rough"].data.set_index("contender")
     # The best is 10 in every world, and its bound 8 where it is not proved, on seed 3.
     assert regret.loc["keep", "regret, at least (%)"] == pytest.approx(100 * (0 + 3 + 3 + 0) / 4)
-    most = 100 * (0 + 3 + 3 + (10 / 8 - 1)) / 4
-    assert regret.loc["keep", "regret, at most (%)"] == pytest.approx(most)
+    maximum = 100 * (0 + 3 + 3 + (10 / 8 - 1)) / 4
+    assert regret.loc["keep", "regret, at most (%)"] == pytest.approx(maximum)
     assert regret.loc["repair", ["highest (%)", "proved (%)"]].tolist() == pytest.approx([200, 75])
 
 
