@@ -69,6 +69,8 @@ class WhyNot:
     """The same by the summands of the objective as it is written, if it is a sum."""
     moved: tuple[str, ...] = ()
     """What else changes: integer variables, ``x[2,0]: 1 to 0``."""
+    is_so: bool = False
+    """Whether the optimum has these values already."""
 
     @property
     def cost(self) -> float | None:
@@ -90,6 +92,8 @@ class WhyNot:
             )
         if self.objective is None or self.optimum is None:
             return f"Why not {asked}: stopped before it was known."
+        if self.is_so:
+            return f"Why not {asked}: it is so in the optimum, {self.objective:.9g}."
         if self.status == "optimal":
             head = f"Why not {asked}: it costs nothing, {self.objective:.9g} is the optimum, too."
         elif self.status == "unknown":
@@ -149,6 +153,9 @@ def why_not(
     """
     clock = Clock(time_limit)
     asked = tuple(f"{program.column_name(j)} = {value:g}" for j, value in given.items())
+    best = program.value(optimum)
+    if is_proven and all(abs(optimum[j] - value) <= SAME for j, value in given.items()):
+        return WhyNot(asked, "optimal", objective=best, optimum=best, is_so=True)
     fixed = with_bounds(program, given)
     outside = [
         j
@@ -173,7 +180,7 @@ def why_not(
             irreducible=found.irreducible,
         )
     x = fixed.flat(solution.values)
-    value, best = program.value(x), program.value(optimum)
+    value = program.value(x)
     loss = program.sign * (value - best)
     unit = SAME * max(abs(value - program.offset), abs(best - program.offset), 1e-9)
     if abs(loss) <= unit and is_proven:

@@ -362,7 +362,12 @@ def test_maxima_and_absolute_values_are_solved_right(
 
 def test_added_columns_are_called_auxiliary_and_the_models_own_keep_their_names() -> None:
     x = binary(3)
-    program = arrays_of(cp.Minimize(cp.max(cp.multiply([3, 2, 5], x))), [cp.sum(x) >= 2])
+    two = cp.max(cp.multiply([3, 2, 5], x)) + cp.max(cp.multiply([2, 3, 1], x))
+    program = arrays_of(cp.Minimize(two), [cp.sum(x) >= 2])
+    for blocks in (program.columns, program.rows):
+        names = [block.name for block in blocks]
+        assert {AUXILIARY, f"{AUXILIARY}_2"} <= set(names)
+        assert len(set(names)) == len(names)
     own = [block for block in program.columns if not block.name.startswith(AUXILIARY)]
     assert [block.name for block in own] == ["x"]
     assert program.columns[0].start == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import count
 from typing import NamedTuple
 
 import cvxpy as cp
@@ -51,9 +52,7 @@ def variable_blocks(
     blocks: list[Block] = []
     for variable, start in zip(variables, starts, strict=True):
         label = own[variable.id].name() if variable.id in own else AUXILIARY
-        if label in {block.name for block in blocks}:
-            label = f"{label}_{variable.id}"
-        blocks.append(Block(label, start, variable.shape))
+        blocks.append(Block(_free(label, blocks), start, variable.shape))
     return tuple(sorted(blocks, key=lambda block: block.start))
 
 
@@ -61,11 +60,12 @@ def constraint_blocks(problem: cp.Problem, constraints: list[cp.Constraint]) -> 
     """The rows of `constraints`, by the labels or places of those that the problem has of its own."""
     own = {constraint.id: constraint for constraint in problem.constraints}
     place = {constraint.id: i + 1 for i, constraint in enumerate(problem.constraints)}
-    blocks, start = [], 0
+    blocks: list[Block] = []
+    start = 0
     for constraint in constraints:
         original = own.get(constraint.id)
         if original is None:
-            block = Block(AUXILIARY, start, (constraint.size,))
+            block = Block(_free(AUXILIARY, blocks), start, (constraint.size,))
         elif original.label is None:
             block = Block(UNLABELLED.format(place[original.id]), start, original.shape)
         else:
@@ -73,6 +73,13 @@ def constraint_blocks(problem: cp.Problem, constraints: list[cp.Constraint]) -> 
         blocks.append(block)
         start += constraint.size
     return tuple(blocks)
+
+
+def _free(name: str, blocks: list[Block]) -> str:
+    """`name`, with a number where a block has it already."""
+    taken = {block.name for block in blocks}
+    numbered = (f"{name}_{number}" for number in count(2))
+    return name if name not in taken else next(n for n in numbered if n not in taken)
 
 
 def place_of(problem: cp.Problem, constraint: cp.Constraint) -> str:
