@@ -16,7 +16,14 @@ MAX_MISTAKES = 10
 
 
 class MsmrtaError(Exception):
-    """Base of all errors that this package raises on purpose."""
+    """Base of all errors that this package raises on purpose.
+
+    What a file or a name brings into the message that no screen shows is written as its escape.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        shows = (x if x.isprintable() or x == "\n" else repr(x)[1:-1] for x in message)
+        super().__init__("".join(shows))
 
 
 class InputError(MsmrtaError, ValueError):

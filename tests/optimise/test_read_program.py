@@ -370,6 +370,7 @@ MPS_REFUSED: dict[str, tuple[str, str, str]] = {
     "indicators": (mps(rest="INDICATORS\nIF c y 1"), "line 16", "'INDICATORS' is no section"),
     "semi-continuous": (mps(rest="BOUNDS\nSC B x 3"), "line 17", "bound 'SC'; give UP, LO, FX"),
     "other marker": (mps("M 'MARKER' 'SOSORG'\nx c 1"), "line 9", "marker 'SOSORG'"),
+    "marker that no screen shows": (mps("M 'MARKER' 'I\x04K"), "line 9", "marker 'I\x04K;"),
     "unknown sense": (
         mps().replace("    MAX", "    MAXIMAL"),
         "line 3",
