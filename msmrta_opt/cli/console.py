@@ -25,7 +25,7 @@ STANDARD_OUTPUT = Path("-")
 
 WIDTH_OF_FILES = 10_000
 """Columns where the output is not a terminal: as many as any table takes."""
-NARROWEST, MOST_LINES = 12, 6
+NARROWEST, MAX_LINES = 12, 6
 """Columns of a terminal that a text is given at least, and lines that a row takes at most, before a
 table becomes a list of records."""
 INDENT = "  "
@@ -102,7 +102,7 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) 
     """Print a table, its first column what a row is of; columns of numbers are aligned to the right.
 
     Where the width does not suffice, texts are broken between words, so that no row takes more lines
-    than it must; names and numbers never are. Where a row would take more than `MOST_LINES`, there is
+    than it must; names and numbers never are. Where a row would take more than `MAX_LINES`, there is
     one record below another.
     """
     body = [[_cell(value) for value in row] for row in rows]
@@ -124,7 +124,7 @@ def _widths(
     room = console().width - BETWEEN * len(columns)
     cells = [dict.fromkeys([column, *(row[i] for row in body)]) for i, column in enumerate(columns)]
     widest = [max(map(cell_len, texts)) for texts in cells]
-    for lines in range(1, MOST_LINES + 1):
+    for lines in range(1, MAX_LINES + 1):
         widths = [
             width if numeric[i] else min(width, _width_for(cells[i], lines))
             for i, width in enumerate(widest)

@@ -150,8 +150,8 @@ class Hindsight(PlanRecord):
     @property
     def regret(self) -> tuple[float, float]:
         """What not knowing cost: at least, and at most; the same where the best is proved."""
-        least = max(self.run - self.best, 0.0)
-        return least, least if self.proved else max(self.run - self.bound, 0.0)
+        minimum = max(self.run - self.best, 0.0)
+        return minimum, minimum if self.proved else max(self.run - self.bound, 0.0)
 
     def __str__(self) -> str:
         low, high = self.regret

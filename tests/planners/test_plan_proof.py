@@ -136,7 +136,7 @@ def test_a_proof_that_is_stopped_proves_the_bound_of_its_open_tree(tmp_path: Pat
         assert "no plan has a makespan below" in checked.summary
         assert checked.bound == proof.exact_bound
         bounds.append(checked.bound)
-    assert 0 < bounds[0] < bounds[1] < least(problem_of(branched()), "makespan")
+    assert 0 < bounds[0] < bounds[1] < minimum(problem_of(branched()), "makespan")
     at_once = prove_plan(branched(), path=path, time_limit=0)
     assert at_once.remark == "time limit"
     assert check_joint_proof(path, branched()).bound == at_once.exact_bound

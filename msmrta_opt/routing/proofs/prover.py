@@ -176,19 +176,19 @@ class _Prover:
         bound = search.bound()
         if not math.isfinite(bound):
             return False
-        least = reached(self.statement.program, duals)
+        minimum = reached(self.statement.program, duals)
         goal = min(math.ceil(bound - SLACK), self.value)
         seconds = max(CLOSING_SECONDS, CLOSING_SHARE * (time.perf_counter() - self.began))
         assert isinstance(search.bounds, CutoffBounds)
         try:
             for _ in range(CLOSING_ATTEMPTS):
-                if goal <= least:
+                if goal <= minimum:
                     break
                 search.bounds.goal = goal
                 if _closed(search, goal, Limits(time.perf_counter() + seconds)):
                     reduction.lower(goal)
                     return True
-                goal = (goal + least) // 2
+                goal = (goal + minimum) // 2
         except KeyboardInterrupt:
             pass
         return False

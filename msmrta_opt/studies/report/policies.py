@@ -212,9 +212,9 @@ def _regret(scenario: str, runs: pd.DataFrame, name: str) -> Table | None:
     objective = str(runs["objective"].iloc[0])
     for who in contenders(runs):
         mine = runs[(runs["contender"] == who) & (runs["hindsight_best"] > 0)]
-        least = 100 * (mine[objective] / mine["hindsight_best"] - 1).to_numpy(float)
+        minimum = 100 * (mine[objective] / mine["hindsight_best"] - 1).to_numpy(float)
         bounded = mine[mine["hindsight_bound"] > 0]
-        most = 100 * (bounded[objective] / bounded["hindsight_bound"] - 1).to_numpy(float)
+        maximum = 100 * (bounded[objective] / bounded["hindsight_bound"] - 1).to_numpy(float)
         proved = mine["hindsight_best"] - mine["hindsight_bound"] <= SAME * mine["hindsight_best"]
         low = mean_of(np.maximum(minimum, 0))
         rows.append(
