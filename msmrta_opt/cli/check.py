@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..mission.counting import counted
 from .console import Json
 from .models import Folders, Options, Parameters, add_folders
 from .proofs import SUFFIX, check_proofs
@@ -184,8 +185,12 @@ def _instance(mission: Instance) -> _Verdict:
     """An instance that could be read, with what nobody can serve."""
     from ..certify.availability import unavailable
 
-    counts = f"{mission.n_robots} robots, {mission.n_victims} victims, {len(mission.scouts)} scouts"
-    return _Verdict(said=[f"a valid instance ({counts})"], warnings=unavailable(mission))
+    counts = [
+        counted(mission.n_robots, "robot"),
+        counted(mission.n_victims, "victim"),
+        counted(len(mission.scouts), "scout"),
+    ]
+    return _Verdict(said=[f"a valid instance ({', '.join(counts)})"], warnings=unavailable(mission))
 
 
 def _plan(plan: Plan, missions: list[Instance], *, claims: bool, proving: bool) -> _Verdict:
@@ -204,7 +209,9 @@ def _plan(plan: Plan, missions: list[Instance], *, claims: bool, proving: bool) 
         closest = min((differences(plan, mission) for mission in missions), key=len)
         verdict.wrong += [f"the plan is for another mission: {line}" for line in closest]
     if not verdict.wrong:
-        verdict.said.append(f"the plan holds ({plan.metrics.n_served} requirements served)")
+        verdict.said.append(
+            f"the plan holds ({counted(plan.metrics.n_served, 'requirement')} served)"
+        )
         verdict.said += [
             f"of its {item.model} is said: {item.how}; --proof FILE checks that (SHA-256 "
             f"{item.proved.digest[:16]}…)"
@@ -251,7 +258,9 @@ def _run(run: Run, missions: list[Instance]) -> _Verdict:
         closest = min((differences(run.plan, mission) for mission in missions), key=len)
         verdict.wrong += [f"the plan is for another mission: {line}" for line in closest]
     if not verdict.wrong:
-        verdict.said.append(f"the run holds ({run.metrics.n_served} requirements served)")
+        verdict.said.append(
+            f"the run holds ({counted(run.metrics.n_served, 'requirement')} served)"
+        )
     return verdict
 
 

@@ -9,6 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
+from ..mission.counting import counted
+
 
 def register(app: typer.Typer) -> None:
     """Add this file's command to `app`."""
@@ -148,7 +150,8 @@ def generate(
         return
     write_text(output, text)
     print(
-        f"mission written to {output}: {mission.n_robots} robots, {mission.n_victims} victims; "
+        f"mission written to {output}: {counted(mission.n_robots, 'robot')}, "
+        f"{counted(mission.n_victims, 'victim')}; "
         f"{mission.description}"
     )
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ..mission.counting import counted
 from .console import Json
 
 CellSize = Annotated[
@@ -181,7 +182,10 @@ def new_mission(
         name=name,
     )
     write_text(output, json.dumps(mission.document(), indent=1) + "\n")
-    print(f"mission written to {output}: {mission.n_robots} robots, {mission.n_victims} victims")
+    print(
+        f"mission written to {output}: {counted(mission.n_robots, 'robot')}, "
+        f"{counted(mission.n_victims, 'victim')}"
+    )
 
 
 def _floor_options(

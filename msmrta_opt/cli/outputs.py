@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..mission.errors import InputError
+from ..mission.errors import InputError, shown
 from ..mission.files import parse_json, read_json, write_with
 from ..mission.shipped import find_instance
 
@@ -107,18 +107,29 @@ def write_plan(plan: Plan, json: Path | None, figure: Path | None) -> None:
         say(f"picture written to {figure}")
 
 
+KINDS = ("msmrta-instance", "msmrta-plan", "msmrta-run")
+"""Formats of the documents that commands read, without their versions."""
+
+
 def document_format(path: Path) -> str:
     """The ``format`` of a JSON document, or of a shipped instance; empty if it has none.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or is not a JSON object.
+        If the file cannot be read, or is neither an instance nor a plan nor a run.
     """
     document = read_json(find_instance(path))
     if not isinstance(document, dict):
         raise InputError("not a JSON object; give an instance or a plan", file=path)
-    return str(document.get("format", ""))
+    written = document.get("format", "")
+    if written == "" and not {"map", "robots"} & document.keys():
+        problem = "has no format, map or robots; give an instance, a plan or a run"
+        raise InputError(problem, file=path)
+    if written != "" and str(written).partition("/")[0] not in KINDS:
+        problem = f"{shown(written)}; give {', '.join(f'{kind}/1' for kind in KINDS)}"
+        raise InputError(problem, field="format", file=path)
+    return str(written)
 
 
 def scouting_figure(instance: Instance, report: ScoutingReport, path: Path) -> None:

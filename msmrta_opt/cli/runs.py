@@ -99,6 +99,8 @@ def run(
         given.check_for(made.instance)
     except InputError as error:
         raise error.within(scenario or "") from None
+    if scenario is not None and not given.says_something:
+        say(f"Nothing happens: {scenario} has no table.")
     if regret is not None and not regret >= 0:
         raise InputError(f"{regret!r}; give 0 or more", field="--regret")
     if objective is not None:

@@ -12,6 +12,8 @@ from .missions import Json
 if TYPE_CHECKING:
     from ..studies.study import State
 
+NOTHING = 1
+"""The exit status of a study of which every run failed."""
 StudyFile = Annotated[Path, typer.Argument(help="A study file.", metavar="STUDY.toml")]
 
 
@@ -68,7 +70,12 @@ def run(
             say(f"interrupted: {len(todo) - left} of {len(todo)} runs are kept.")
             say(f"To go on from there: msmrta study run {study}")
             raise
-    _show(asked.state(), json)
+    kept = asked.state()
+    _show(kept, json)
+    if kept.runs and all(row["failed"] == row["all"] for row in kept.rows):
+        first = next(record.reason for record in kept.records)
+        typer.echo(f"error: {study}: every run failed; the first: {first}", err=True)
+        raise typer.Exit(NOTHING)
 
 
 def status(study: StudyFile, json: Json = None) -> None:

@@ -11,7 +11,7 @@ made of routes in `route` and, if it claims a bound, of what proves it in `proof
 came to it in `convergence`; `metrics` says how good it is,
 `waypoints` are its poses and `plan_export` writes them for other programs;
 `plan_tables` and `plan_difference` are a plan as tables and two beside each other, `display` is how they
-show themselves. What may happen to a plan is a `scenario`, what did happen a `run`, made of what is
-in `happened`, and `run_metrics` says what it came to. `exact` says which fraction a number stands for,
-where figures are checked exactly.
+show themselves, `counting` says how many of something there are. What may happen to a plan is a
+`scenario`, what did happen a `run`, made of what is in `happened`, and `run_metrics` says what it came
+to. `exact` says which fraction a number stands for, where figures are checked exactly.
 """

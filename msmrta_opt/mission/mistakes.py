@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
+from .counting import counted
 from .errors import InputError, at
 from .grid import Cell, GridMap
 from .suggestions import meant
@@ -75,16 +76,24 @@ def mistakes(mission: _Mission) -> Iterator[InputError]:
         yield from _misplaced(at("robots", i, "start"), robot.start, mission.map)
         yield from _kinds(at("robots", i, "capabilities"), robot.capabilities, kinds)
     for i, victim in enumerate(mission.victims):
-        yield from _misplaced(at("victims", i, "cell"), victim.cell, mission.map)
-        yield from _kinds(at("victims", i, "requirements"), victim.requirements, kinds)
-        yield from _not_needed(at("victims", i, "service_time"), victim, kinds)
+        yield from mistakes_of_victim(i, victim, mission.map, kinds)
     for i, scout in enumerate(mission.scouts):
         yield from _misplaced(at("scouts", i, "start"), scout.start, mission.map)
     labels, n_victims = mission.clusters, len(mission.victims)
     if labels is not None and len(labels) != n_victims:
         yield InputError(
-            f"{len(labels)} labels for {n_victims} victims; give one per victim", field="clusters"
+            f"{counted(len(labels), 'label')} for {counted(n_victims, 'victim')}; give one per victim",
+            field="clusters",
         )
+
+
+def mistakes_of_victim(
+    i: int, victim: _Victim, grid: GridMap, kinds: Sequence[str]
+) -> Iterator[InputError]:
+    """The same of the victim at a position of a document, in a mission of these kinds."""
+    yield from _misplaced(at("victims", i, "cell"), victim.cell, grid)
+    yield from _kinds(at("victims", i, "requirements"), victim.requirements, kinds)
+    yield from _not_needed(at("victims", i, "service_time"), victim, kinds)
 
 
 def _misplaced(field: str, cell: Cell, grid: GridMap) -> Iterator[InputError]:

@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from .errors import InputError, all_of, at
 from .fields import Amount, CellField, Id
 from .instance import Instance, Victim
+from .mistakes import mistakes_of_victim
 from .suggestions import meant
 from .validation import problems_of, read_model
 
@@ -188,7 +189,11 @@ class Scenario(_Table):
             Naming the file, the field, the offending value and what would be right; `MistakesError`
             of several mistakes.
         """
-        return read_model(cls, path, toml=True)
+        read = read_model(cls, path, toml=True)
+        if not read.model_fields_set:
+            problem = f"is empty; give what may happen, or format = {FORMAT!r} alone for nothing"
+            raise InputError(problem, file=path)
+        return read
 
     @classmethod
     def from_document(cls, document: dict[str, Any]) -> Scenario:
@@ -203,6 +208,11 @@ class Scenario(_Table):
             return cls.model_validate(document)
         except ValidationError as error:
             raise problems_of(error, cls) from None
+
+    @property
+    def says_something(self) -> bool:
+        """Whether it has a table: something that may happen."""
+        return bool(self.speed or self.service or self.lost or self.victims or self.corridors)
 
     def speed_of(self, robot: int) -> Distribution:
         """The distribution of the factor of a robot's speed."""
@@ -259,12 +269,7 @@ def _mistakes(scenario: Scenario, mission: Instance) -> Iterator[InputError]:
         if victim.id in ids:
             problem = f"{victim.id} is a victim of the mission; give a new one"
             yield InputError(problem, field=at("victims", i, "id"))
-        if not grid.is_free(victim.cell):
-            problem = f"{list(victim.cell)} is {grid.trouble(victim.cell)}"
-            yield InputError(problem, field=at("victims", i, "cell"))
-        for field in ("requirements", "service_time"):
-            for kind in getattr(victim, field):
-                yield from _unknown(at("victims", i, field), kind, kinds)
+        yield from mistakes_of_victim(i, victim, grid, kinds)
     for i, corridor in enumerate(scenario.corridors):
         for j, cell in enumerate(corridor.cells):
             if not grid.contains(cell):

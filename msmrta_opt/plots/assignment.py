@@ -8,6 +8,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
+from ..mission.counting import counted
 from ..mission.plan import Plan
 from .canvas import Scale, is_large, map_axes, plot_map
 from .clusters import draw_centres, draw_outlines, govern
@@ -16,7 +17,6 @@ from .lettering import as_written, shortened
 from .marks import Group, disc_of, draw_groups, start_of, unserved_victims, visit_badges, weights_of
 from .overview import draw_victims
 from .style import DEFERRED, FAINT, MISSED, REASONS, STAGES, robot_styles, stage_shapes
-from .titles import counted
 
 
 @as_written

@@ -14,6 +14,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..mission.counting import counted
 from ..mission.plan import Plan
 from .assignment import assignment_handles, plot_assignment, served_text
 from .canvas import SMALL_ROBOTS, is_large
@@ -26,7 +27,7 @@ from .overview import LINES_OF
 from .paths import paths_handles, plot_paths
 from .scouting import plot_scouting, scouting_handles
 from .style import FAINT, STAGES, robot_styles
-from .titles import counted, name_of, says
+from .titles import name_of, says
 
 NEEDS = "Victims (arc: colour of who serves it)"
 WIDTH, MARGIN = 9.0, 0.15

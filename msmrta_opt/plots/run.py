@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from ..mission.counting import counted
 from ..mission.happened import What
 from ..mission.plan import Plan
 from ..mission.route import Route, Visit
@@ -25,7 +26,7 @@ from .lettering import as_written, fitted
 from .marks import Group, Mark, number_of, unserved_victims
 from .mission import MARGIN, WIDTH, strip
 from .style import FAINT, INK, TURNED_UP
-from .titles import counted, name_of, says
+from .titles import name_of, says
 from .two_plans import Item, cost_of, draw_maps, maps_height, plans_key
 
 TITLE = 0.75

@@ -13,11 +13,6 @@ def name_of(instance: Instance) -> str:
     return " ".join(instance.name.split()) or "unnamed mission"
 
 
-def counted(number: int, noun: str) -> str:
-    """So ``1 robot``, or ``2 robots``."""
-    return f"{number} {noun}" + ("" if number == 1 else "s")
-
-
 def says(plan: Plan | Run) -> str:
     """Who planned, what was done to the plan, and what is proven of it; of a run its policy.
 

@@ -175,7 +175,7 @@ def test_check_says_that_instances_and_plans_hold(
     plan(Instance.read(corridor_file)).save(file)
     assert msmrta("check", corridor_file, file) == 0
     assert capsys.readouterr().out.splitlines() == [
-        f"{corridor_file}: a valid instance (1 robots, 2 victims, 0 scouts)",
+        f"{corridor_file}: a valid instance (1 robot, 2 victims, 0 scouts)",
         f"{file}: the plan holds (2 requirements served)",
     ]
 

@@ -68,6 +68,58 @@ def test_regret_is_in_the_file_by_the_objective_that_is_asked_for(
         assert msmrta("check", run) == 1
 
 
+EMPTY = "{file}: is empty; give what may happen, or format = 'msmrta-scenario/1' alone for nothing"
+SCENARIOS = {
+    "": EMPTY,
+    "# nothing\n": EMPTY,
+    '[[victims]]\nid = 50\ncell = HERE\nrequirements = ["A", "A"]': (
+        "{file}: victims[0].requirements[1]: 'A' is repeated; each kind is listed once"
+    ),
+    "[[victims]]\nid = 50\ncell = HERE\nrequirements = []\nservice_time = {B = 3}": (
+        "{file}: victims[0].service_time: a time for 'B', which victim 50 does not need (it needs "
+        "nothing); remove it, or add the kind to its requirements"
+    ),
+}
+
+
+@pytest.mark.parametrize("text", SCENARIOS)
+def test_a_mistake_in_a_scenario_is_told_of_its_file(
+    text: str, msmrta: Command, plan: Plan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan.save(tmp_path / "plan.json")
+    file = tmp_path / "scenario.toml"
+    file.write_text(text.replace("HERE", str(list(plan.instance.robots[0].start))))
+    assert msmrta("run", tmp_path / "plan.json", "--scenario", file) == 2
+    assert capsys.readouterr().err == f"error: {SCENARIOS[text].format(file=file)}\n"
+
+
+def test_a_scenario_in_which_nothing_happens_is_said_to_be_one(
+    msmrta: Command, plan: Plan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan.save(tmp_path / "plan.json")
+    file = tmp_path / "scenario.toml"
+    file.write_text('format = "msmrta-scenario/1"\n')
+    assert msmrta("run", tmp_path / "plan.json", "--scenario", file) == 0
+    assert f"Nothing happens: {file} has no table.\n" in capsys.readouterr().out
+
+
+def test_tables_of_many_runs_and_proofs_are_refused_by_check_in_a_line(
+    msmrta: Command, plan: Plan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan.save(tmp_path / "plan.json")
+    runs, proof = tmp_path / "runs.json", tmp_path / "proof.json"
+    assert msmrta("run", tmp_path / "plan.json", "--runs", 2, "--json", runs) == 0
+    proof.write_text('{"format": "msmrta-latency-proof/1", "nodes": []}')
+    capsys.readouterr()
+    kinds = "msmrta-instance/1, msmrta-plan/1, msmrta-run/1"
+    for file, said in {
+        runs: f"{runs}: has no format, map or robots; give an instance, a plan or a run",
+        proof: f"{proof}: format: 'msmrta-latency-proof/1'; give {kinds}",
+    }.items():
+        assert msmrta("check", file) == 2
+        assert capsys.readouterr().err == f"error: {said}\n"
+
+
 def test_what_comes_of_a_seed_does_not_depend_on_the_number_of_processes(
     msmrta: Command, plan: Plan, tmp_path: Path
 ) -> None:

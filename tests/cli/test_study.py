@@ -74,6 +74,21 @@ def test_status_counts_what_is_open_and_names_what_failed(
     assert "1 more runs in the ledger are of other settings or versions" in out
 
 
+def test_a_study_of_which_every_run_failed_says_so_and_ends_with_1(
+    path: Path, msmrta: Callable[..., int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    from msmrta_opt.studies.ledger import Ledger
+
+    study = Study.read(path)
+    blank = Record(instance="tiny", contender="random", outcome="crashed", error="of old age")
+    with Ledger(study.ledger) as ledger:
+        for run in runs(study):
+            ledger.add(replace(blank, key=run.key))
+    assert msmrta("study", "run", path) == 1
+    said = capsys.readouterr().err.splitlines()
+    assert said[-1] == f"error: {path}: every run failed; the first: crashed: of old age"
+
+
 @pytest.mark.parametrize(
     ("command", "says"),
     [

@@ -182,8 +182,12 @@ def test_a_robot_does_not_go_back_to_what_it_has_left_out() -> None:
     ("options", "message"),
     [
         ({"planner": "sssi"}, "planner: 'sssi' (did you mean 'ssi'?)"),
-        ({"stability": -1}, "stability: -1; give a number, 0 or more"),
-        ({"seconds": "one"}, "seconds: 'one'; give a number, 0 or more"),
+        ({"stability": -1}, "stability: -1; give a number from 0 to 1e+30"),
+        (
+            {"stability": 2e6, "model": "joint_replan"},
+            "stability: 2000000.0; give a number from 0 to 1e+06",
+        ),
+        ({"seconds": "one"}, "seconds: 'one'; give a number from 0 to 1e+30"),
         ({"objective": "time"}, "objective: 'time'"),
         ({"model": "cluster_fair"}, "model: is of stage cluster; give one of stage routing"),
     ],

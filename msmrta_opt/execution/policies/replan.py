@@ -25,6 +25,8 @@ from ...routing.stop import MaximumIterations, MaximumRuntime
 from ..replanning import Remaining, towards
 from ..state import Decide, Policy, Queues, Situated, State
 
+LARGEST = 1e30
+"""Prices and seconds go up to there, as times do in missions."""
 ITERATIONS = 20_000
 """Of local search, where no seconds are given; then the same seed gives the same run."""
 
@@ -118,12 +120,16 @@ def routes_of_solution(data: RoutingData, solution: Solution) -> Routes:
 def _check(options: Mapping[str, Any]) -> None:
     check_options(options["planner"], {})
     objective_of(options["objective"])
+    of_model = registry.get(options["model"]).spec.parameters if options["model"] else {}
     for name in ("stability", "seconds"):
         value = options[name]
         if name == "seconds" and value is None:
             continue
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < 1e30:
-            raise InputError(f"{value!r}; give a number, 0 or more", field=name)
+        top = LARGEST
+        if name == "stability" and "stability" in of_model:
+            top = of_model["stability"].high
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value <= top:
+            raise InputError(f"{value!r}; give a number from 0 to {top:g}", field=name)
     if options["model"]:
         stage = registry.get(options["model"]).spec.stage
         if stage != "routing":
