@@ -170,7 +170,7 @@ def test_the_longer_a_tree_grows_the_more_is_proved() -> None:
         bounds.append(found.bound)
     assert bounds == sorted(bounds)
     assert len(set(bounds)) >= 3  # next to nothing, a part of the tree, all
-    assert float(bounds[-1]) == pytest.approx(least(problem_of(plan), "latency"))
+    assert float(bounds[-1]) == pytest.approx(minimum(problem_of(plan), "latency"))
 
 
 def test_a_proof_that_is_stopped_says_how_far_it_got(tmp_path: Path) -> None:
