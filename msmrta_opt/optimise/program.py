@@ -173,45 +173,65 @@ class Program:
         }:
             if np.isfinite(lower[row]) == np.isfinite(upper[row]):
                 continue
-            sign = 1.0 if np.isfinite(upper[row]) else -1.0
-            entries = np.arange(matrix.indptr[row], matrix.indptr[row + 1])
-            columns = matrix.indices[entries]
-            numbers = [*data[entries], lower[row] if sign < 0 else upper[row]]
-            is_whole = self.integer[columns].all() and not np.mod(numbers, 1).any()
-            rounding = Fraction(0 if is_whole else ROUNDING)
-            for k, column in zip(entries, columns, strict=True):
-                others = columns != column
-                weight = sign * data[entries][others]
-                ends = np.where(
-                    weight > 0, self.upper[columns[others]], self.lower[columns[others]]
-                )
-                if not self.integer[column] or not np.isfinite(ends[weight != 0]).all():
-                    continue
-                reach = sum(
-                    (
-                        Fraction(float(a)) * Fraction(float(end))
-                        for a, end in zip(weight, ends, strict=True)
-                        if a
-                    ),
-                    Fraction(0),
-                )
-                a = Fraction(float(sign * data[k]))
-                side = Fraction(float(sign * (upper if sign > 0 else lower)[row]))
-                end = self.upper[column] if a > 0 else self.lower[column]
-                if not np.isfinite(end):
-                    continue
-                step = Fraction(float(end)) - (1 if a > 0 else -1)
-                spare = side - reach - a * step
-                new = a - spare if a > 0 else a + spare
-                if spare <= 0 or (new < 0) == (a > 0) or abs(new) * 1000 > abs(a):
-                    continue
-                far = Fraction(float(end))
-                side += (new - a) * far + rounding * max(abs(side), abs(a * far))
-                data[k] = sign * float(new)
-                (upper if sign > 0 else lower)[row] = sign * float(side)
+            self._tighten(row, data, lower, upper)
         tight = matrix.copy()
         tight.data = data
         return replace(self, matrix=tight, row_lower=lower, row_upper=upper)
+
+    def _tighten(self, row: int, data: Floats, lower: Floats, upper: Floats) -> None:
+        """Tighten the coefficients of a row that has one side, in `data` and in that side."""
+        sides, sign = (upper, 1.0) if np.isfinite(upper[row]) else (lower, -1.0)
+        entries = slice(self.matrix.indptr[row], self.matrix.indptr[row + 1])
+        columns = self.matrix.indices[entries]
+        highest, lowest = self.upper[columns], self.lower[columns]
+        weight = sign * data[entries]
+        is_whole = self.integer[columns].all() and not np.mod([*weight, sides[row]], 1).any()
+        rounding = Fraction(0 if is_whole else ROUNDING)
+        k = 0
+        while (k := self._next_loose(weight, highest, lowest, columns, sign * sides[row], k)) >= 0:
+            ends = np.where(weight > 0, highest, lowest)
+            others = (columns != columns[k]) & (weight != 0)
+            reach = sum(
+                (
+                    Fraction(float(w)) * Fraction(float(end))
+                    for w, end in zip(weight[others], ends[others], strict=True)
+                ),
+                Fraction(0),
+            )
+            a, far = Fraction(float(weight[k])), Fraction(float(ends[k]))
+            side = Fraction(float(sign * sides[row]))
+            spare = side - reach - a * (far - (1 if a > 0 else -1))
+            new = a - spare if a > 0 else a + spare
+            if spare > 0 and (new < 0) != (a > 0) and abs(new) * 1000 <= abs(a):
+                side += (new - a) * far + rounding * max(abs(side), abs(a * far))
+                weight[k] = float(new)
+                sides[row] = sign * float(side)
+            k += 1
+        data[entries] = sign * weight
+
+    def _next_loose(
+        self,
+        weight: Floats,
+        highest: Floats,
+        lowest: Floats,
+        columns: NDArray[np.integer],
+        side: float,
+        k: int,
+    ) -> int:
+        """The first entry from the `k`-th on that rounded arithmetic takes for too large, or -1."""
+        ends = np.where(weight > 0, highest, lowest)
+        if not np.isfinite(ends[weight != 0]).all():
+            return -1
+        with np.errstate(over="ignore", invalid="ignore"):
+            parts = np.where(weight != 0, weight * ends, 0.0)
+            which, place = np.unique(columns, return_inverse=True)
+            own = np.bincount(place, parts, len(which))[place]
+            step = weight * (ends - np.where(weight > 0, 1.0, -1.0))
+            spare = side - (parts.sum() - own) - step
+            rounding = 1e-9 * (np.abs(parts).sum() + abs(side) + np.abs(step))
+            clear = np.abs(spare - np.abs(weight)) > 0.002 * np.abs(weight) + rounding
+        found = np.flatnonzero((~clear & (weight != 0) & self.integer[columns])[k:])
+        return k + int(found[0]) if len(found) else -1
 
     def differs_in_cost_alone(self, other: Program) -> bool:
         """Whether `other` has the same rows, bounds and integrality."""
