@@ -7,8 +7,11 @@ with continuous columns by what solvers allow themselves, each relative to the s
 
 from __future__ import annotations
 
+import math
+import operator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import islice
 
 import numpy as np
 
@@ -229,36 +232,51 @@ def rows_out_of_reach(program: Program) -> Ints:
 
 
 def _asks_too_much(program: Program, ray: list[Fraction]) -> bool:
-    matrix = program.matrix
+    # In whole numbers over a common denominator: fractions would be reduced at every step.
+    matrix, rows = program.matrix, [i for i, share in enumerate(ray) if share]
+    if not rows:
+        return False
+    sides = np.array([(program.row_lower if ray[i] > 0 else program.row_upper)[i] for i in rows])
+    if not np.isfinite(sides).all():
+        return False
+    common = math.lcm(*(ray[i].denominator for i in rows))
+    shares = [ray[i].numerator * (common // ray[i].denominator) for i in rows]
     whole, _ = kinds_of_rows(program)
     ends = np.maximum(np.abs(program.lower), np.abs(program.upper))
     largest = np.where(np.isfinite(ends), ends, 0.0)
-    weight: dict[int, Fraction] = {}
-    rounded: dict[int, Fraction] = {}
-    spare, loose = Fraction(0), Fraction(0)
-    for i in [i for i, share in enumerate(ray) if share]:
-        side = (program.row_lower if ray[i] > 0 else program.row_upper)[i]
-        if not np.isfinite(side):
-            return False
-        spare += ray[i] * Fraction(float(side))
+    weight: dict[int, int] = {}
+    rounded: dict[int, int] = {}
+    parts = [slice(matrix.indptr[i], matrix.indptr[i + 1]) for i in rows]
+    numbers, unit = _over_one_denominator(np.concatenate([matrix.data[part] for part in parts]))
+    entry, loose = iter(numbers), Fraction(0)
+    for i, share, side, part in zip(rows, shares, sides.tolist(), parts, strict=True):
+        columns = matrix.indices[part].tolist()
+        terms = [share * number for number in islice(entry, len(columns))]
+        for j, term in zip(columns, terms, strict=True):
+            weight[j] = weight.get(j, 0) + term
         if not whole[i]:
-            entries = slice(matrix.indptr[i], matrix.indptr[i + 1])
-            terms = np.abs(matrix.data[entries]) @ largest[matrix.indices[entries]]
-            loose += abs(ray[i]) * Fraction(max(abs(float(side)), float(terms)))
-        for k in range(matrix.indptr[i], matrix.indptr[i + 1]):
-            j = int(matrix.indices[k])
-            term = ray[i] * Fraction(float(matrix.data[k]))
-            weight[j] = weight.get(j, Fraction(0)) + term
-            if not whole[i]:
-                rounded[j] = rounded.get(j, Fraction(0)) + abs(term)
-    for j, total in weight.items():
-        if total:
-            end = (program.upper if total > 0 else program.lower)[j]
-            if np.isfinite(end):
-                spare -= total * Fraction(float(end))
-            elif abs(total) > rounded.get(j, Fraction(0)) * Fraction(ROUNDING):
-                return False
+            size = float(np.abs(matrix.data[part]) @ largest[columns])
+            loose += abs(ray[i]) * Fraction(max(abs(side), size))
+            for j, term in zip(columns, terms, strict=True):
+                rounded[j] = rounded.get(j, 0) + abs(term)
+    asked, of_sides = _over_one_denominator(sides)
+    held = {j: (program.upper if w > 0 else program.lower)[j] for j, w in weight.items() if w}
+    for j, end in held.items():
+        if not np.isfinite(end) and abs(weight[j]) > rounded.get(j, 0) * Fraction(ROUNDING):
+            return False
+    bounded = {j: end for j, end in held.items() if np.isfinite(end)}
+    given, of_ends = _over_one_denominator(np.array(list(bounded.values())))
+    spare = Fraction(sum(map(operator.mul, shares, asked)), common * of_sides) - Fraction(
+        sum(map(operator.mul, (weight[j] for j in bounded), given)), common * unit * of_ends
+    )
     return spare > loose * Fraction(ROUNDING)
+
+
+def _over_one_denominator(values: Floats) -> tuple[list[int], int]:
+    """Numerators of floats, exact, and their common denominator, a power of two."""
+    ratios = [value.as_integer_ratio() for value in values.tolist()]
+    common = max((below for _, below in ratios), default=1)
+    return [above * (common // below) for above, below in ratios], common
 
 
 def dual_bound(program: Program, duals: Floats) -> float:
