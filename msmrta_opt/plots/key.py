@@ -58,10 +58,11 @@ def columns_of(
 
 
 def columns_below(sections: Sequence[Section], width: float) -> int:
-    """Three columns, together `width` inches wide, if all words fit in them, else two."""
+    """The most columns, up to three, together `width` inches wide, in which all words fit; else two."""
     words = [str(handle.get_label()) for section in sections for handle in section.handles]
-    room = width / 3 * POINTS_PER_INCH - SAMPLE - 6
-    return 3 if all(width_of(text, FONT) * HINTED <= room for text in words) else 2
+    longest = max((width_of(text, FONT) * HINTED for text in words), default=0.0)
+    room = width * POINTS_PER_INCH
+    return next((n for n in (3, 2, 1) if longest <= room / n - SAMPLE - 6), 2)
 
 
 def key_height(sections: Sequence[Section], width: float, count: int) -> float:
