@@ -12,14 +12,14 @@ from __future__ import annotations
 import heapq
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import count
 from typing import Any
 
 import numpy as np
 
-from ..arrays import Floats
+from ..arrays import Bools, Floats
 from .basis import exact_duals
 from .derivation import Box, Combination, Leaf, Side, Spool
 from .exact import ExactProgram
@@ -48,6 +48,9 @@ class Search:
     found : callable
         Told of each point whose integers are whole, with its value by the relaxation; returns the new
         target if the point is feasible and below the target, else ``None``.
+    first : callable, optional
+        Told of a relaxation's solution, which columns to branch on before others: sets of them, as bool
+        arrays of shape ``(n_columns,)``, the first of which that has a fractional one is taken.
     """
 
     def __init__(
@@ -59,6 +62,7 @@ class Search:
         spool: Spool,
         target: Fraction | None,
         found: Callable[[Floats], Fraction | None],
+        first: Callable[[Relaxed], Sequence[Bools]] | None = None,
     ) -> None:
         self.program = program
         self.relaxation = relaxation
@@ -71,6 +75,7 @@ class Search:
         self._found = found
         self._root_leaf: Leaf | None = None
         self._integers = np.flatnonzero(program.integer)
+        self._first = first
         self._pseudo = PseudoCosts()
         self._open: list[tuple[float, int, Node]] = []
         self._order = count()
@@ -224,7 +229,10 @@ class Search:
             far = np.abs(values - np.round(values))
             fractional = self._integers[far > FRACTIONAL]
             if len(fractional):
-                column, split = self._chosen(fractional, relaxed)
+                sets = [] if self._first is None else self._first(relaxed)
+                preferred = (fractional[some[fractional]] for some in sets)
+                some = next((some for some in preferred if len(some)), fractional)
+                column, split = self._chosen(some, relaxed)
             else:
                 target = self._found(relaxed.x)
                 relaxed = self.relaxation.solve()

@@ -251,6 +251,11 @@ def refused(parts: dict[str, str], line: int, reason: str) -> object:
         refused({"derivations": "DER 1\nD1 G 2 OBJ { lin 2 2 1 0 -1 } -1"}, 16, "sign of the"),
         refused({"derivations": "DER 1\nD1 G 2 OBJ { rnd 1 2 1 } -1"}, 16, "has 2, not 1"),
         refused({"derivations": "DER 1\nD1 G 2 OBJ { weak } -1"}, 16, "'weak' where asm"),
+        refused({"derivations": "DER 1\nD1 G 0 0x { lin 0 } -1"}, 16, "'0x' where the number of"),
+        refused(
+            {"derivations": "DER 2\nD1 G 2 OBJ { rnd 1 2 1/2 } -1\nnonsense"}, 17, "the file ends"
+        ),
+        refused({"claim": "RTP range -inf 2", "derivations": "DER 1\nnonsense"}, 16, "file ends"),
         refused({"derivations": "DER 1\nD1 G 2 OBJ { sol } -1"}, 16, "gives no such cutoff"),
         refused({"derivations": "DER 1\nD1 G 2 OBJ { rnd 1 2 1/2 } -2"}, 16, "-2 for the last"),
         refused({"derivations": "DER 1\nD1 G 2 OBJ { rnd 1 2 1/2 -1"}, 16, "'-1' where }"),

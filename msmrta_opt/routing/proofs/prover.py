@@ -26,6 +26,7 @@ from ..branch_and_cut.separation import Cut
 from ..objectives import Objective
 from ..problem import Routes, RoutingData
 from ..stop import Interruption, MaximumRuntime
+from .priorities import binding_first
 from .reduction import Reduction, reached, renumbered
 from .separating import CutoffBounds, SeparatingRelaxation
 from .statement import Statement
@@ -220,7 +221,8 @@ class _Prover:
             return None
 
         target = Fraction(reduction.goal - 1) + Fraction(1, 64)
-        search = Search(core, relaxation, bounds, box, self.spool, target, found)
+        first = binding_first(self.statement, columns) if self.statement.is_makespan else None
+        search = Search(core, relaxation, bounds, box, self.spool, target, found, first)
         return search, columns.tolist()
 
     def _written(
