@@ -114,8 +114,9 @@ def _differences(program: ExactProgram, found: vipr.Certificate) -> list[str]:
 def _different_rows(program: ExactProgram, meant: list[_Named], written: list[_Named]) -> list[str]:
     """In what the rows that are written are not those that are meant; rows of one name side by side."""
     known, given = (Counter(row for _, row in rows) for rows in (meant, written))
-    missing = {row: name for name, row in meant if row in known - given}
-    others = {name: row for name, row in written if row in given - known}
+    lacking, added = known - given, given - known
+    missing = {row: name for name, row in meant if row in lacking}
+    others = {name: row for name, row in written if row in added}
     wrong: list[str] = []
     for row, name in missing.items():
         other = others.pop(name, None)

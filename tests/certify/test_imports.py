@@ -13,7 +13,7 @@ import msmrta_opt.certify as certify
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.planners import plan as make_plan
 
-MODULES = sorted(path.stem for path in Path(certify.__path__[0]).glob("*.py"))
+MODULES = sorted(path.stem for path in Path(certify.__path__[0]).glob("[!_]*.py"))
 FOREIGN = (
     *(
         "cvxpy",
@@ -39,10 +39,9 @@ def loaded(code: str) -> list[str]:
     return [m for m in modules if any(m == name or m.startswith(f"{name}.") for name in FOREIGN)]
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_a_checker_loads_nothing_but_the_mission(module: str) -> None:
-    name = "msmrta_opt.certify" + ("" if module == "__init__" else f".{module}")
-    assert loaded(f"import {name}") == []
+def test_no_checker_loads_anything_but_the_mission() -> None:
+    assert "plan" in MODULES
+    assert loaded("\n".join(f"import msmrta_opt.certify.{module}" for module in MODULES)) == []
 
 
 @pytest.mark.parametrize("objective", ["total_time", "latency"])
