@@ -11,6 +11,7 @@ from fractions import Fraction
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.amounts import sample
 from support.joint_cases import MAPS
@@ -26,8 +27,14 @@ from msmrta_opt.mission.maps import read_map
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.planners.support.explicit_model import problem_of
+from msmrta_opt.planners.support.improvement import routes_of
 from msmrta_opt.planners.support.plan_proof import prove_plan, with_proof
+from msmrta_opt.proofs.relaxation import Relaxed
 from msmrta_opt.proofs.stated import check_proof
+from msmrta_opt.routing.branch_and_cut.edge_formulation import EdgeFormulation
+from msmrta_opt.routing.objectives import objective_of
+from msmrta_opt.routing.proofs.priorities import binding_first
+from msmrta_opt.routing.proofs.statement import Statement
 
 OBJECTIVES = ("total_time", "makespan")
 BRANCHED = 2
@@ -171,6 +178,31 @@ def test_a_plan_tells_what_is_proved_of_it_and_by_which_file(tmp_path: Path) -> 
     other = prove_plan(branched(), path=path, objective="total_time", time_limit=0)
     with pytest.raises(InputError, match="no certificate that the proof could be of"):
         with_proof(branched(), other)
+
+
+def test_a_makespan_is_branched_on_where_a_load_binds() -> None:
+    made = branched()
+    data, routes = problem_of(made), routes_of(made)
+    aim = objective_of("makespan")
+    formulation = EdgeFormulation.of(data, aim, aim.value(data, routes))
+    statement = Statement(formulation, made.known)
+    columns = np.arange(5, formulation.n_columns)
+    first = binding_first(statement, columns)
+    rows = statement.program.rows
+    for robot in made.known.robots:
+        duals = np.zeros(len(rows))
+        (at,) = [
+            i for i, row in enumerate(rows)
+            if row.at_upper >= 0
+            and statement.program.stated[row.at_upper].name == f"makespan:{robot.id}"
+        ]  # fmt: skip
+        duals[at] = -0.5
+        served, own, others = first(Relaxed("optimal", duals=duals))
+        names = np.array(statement.program.names)[columns]
+        mine = [re.match(rf"[yaflev]:{robot.id}:", name) is not None for name in names]
+        assert own.tolist() == mine
+        assert others.tolist() == [name[0] in "ya" for name in names]
+        assert served.tolist() == (own & others).tolist()
 
 
 def test_a_certificate_speaks_of_time_units(lines: list[str], tmp_path: Path) -> None:
