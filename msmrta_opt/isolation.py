@@ -14,6 +14,7 @@ import signal
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor
 from concurrent.futures import wait as wait_for
@@ -211,6 +212,7 @@ def run_isolated(
     jobs: int = 1,
     limits: Limits | None = None,
     preload: Sequence[str] = (),
+    reuse: bool = False,
 ) -> Generator[tuple[int, Any], None, None]:
     """Call ``function(*call)`` for each of `calls`, each in a process of its own.
 
@@ -226,6 +228,8 @@ def run_isolated(
         Of each call, which is killed beyond them.
     preload : sequence of str
         Modules that all processes share.
+    reuse : bool
+        Whether a process does one call after another, for calls that leave nothing behind.
 
     Yields
     ------
@@ -240,13 +244,28 @@ def run_isolated(
     """
     _check_positive(jobs=jobs)
     stop = threading.Event()
+    kept: deque[Worker] = deque()
 
     def watched(index: int, call: tuple[Any, ...]) -> tuple[int, Any]:
-        found = run_alone(function, call, limits=limits, preload=preload, should_stop=stop.is_set)
+        if not reuse:
+            return index, run_alone(
+                function, call, limits=limits, preload=preload, should_stop=stop.is_set
+            )
+        if stop.is_set():
+            return index, Failure("stopped", "not begun")
+        try:
+            worker = kept.pop()
+        except IndexError:
+            worker = Worker(preload)
+        found = worker.call(function, *call, limits=limits, should_stop=stop.is_set)
+        if isinstance(found, Failure) and found.reason != "raised":
+            worker.close()
+        else:
+            kept.append(worker)
         return index, found
 
     # Each thread only watches over the process of its call.
-    with ThreadPoolExecutor(jobs) as threads:
+    with _closing_all(kept), ThreadPoolExecutor(jobs) as threads:
         going: set[Future[tuple[int, Any]]] = set()
         waiting = enumerate(calls)
         try:
@@ -260,6 +279,16 @@ def run_isolated(
                     yield future.result()
         finally:
             stop.set()
+
+
+@contextmanager
+def _closing_all(workers: deque[Worker]) -> Iterator[None]:
+    """Close, at the end, the workers that there are then."""
+    try:
+        yield
+    finally:
+        for worker in workers:
+            worker.close()
 
 
 def _check_positive(**values: float | None) -> None:

@@ -1,10 +1,13 @@
 """A plan executed many times: every policy on the same seeds, here or in several processes.
 
-What comes of a seed does not depend on how many processes there are, nor on the other seeds.
+What comes of a seed does not depend on how many processes there are, nor on the other seeds. Processes
+take batches one after another; where all is done sooner than they would start, there are none.
 """
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -19,8 +22,12 @@ from ..mission.run import Run
 from ..mission.scenario import Scenario
 from .execute import execute_checked
 
-CHUNKS = 4
-"""Shares of the seeds for each process that runs at the same time."""
+BATCH_SECONDS = 0.5
+"""How long a batch of seeds takes, about."""
+STARTING_SECONDS = 10.0
+"""How long what is left must take for processes to be worth their start."""
+TRIED = 2
+"""Seeds that are done here first; the first pays for imports, and the last says how long one takes."""
 PRELOAD = ("msmrta_opt.execution.many_runs", "msmrta_opt.planners", "networkx")
 
 
@@ -61,7 +68,7 @@ def execute_many(
     seeds : sequence of int
         Policies on the same seed meet the same world.
     jobs : int
-        How many processes; with one, all is done in this.
+        How many processes at most; with one, all is done in this.
 
     Yields
     ------
@@ -77,15 +84,31 @@ def execute_many(
         raise InputError(f"{jobs!r}; give 1 or more", field="jobs")
     check_plan(plan)
     scenario.check_for(plan.instance)
-    if jobs == 1:
-        for seed in seeds:
-            if interrupted():
-                return
-            yield from outcomes(plan, scenario, policies, [seed])
-        return
-    size = max(len(seeds) // (CHUNKS * jobs), 1)
+    seconds = 0.0
+    for done, seed in enumerate(seeds):
+        if interrupted():
+            return
+        left = seeds[done:]
+        if jobs > 1 and done >= TRIED and seconds * len(left) > STARTING_SECONDS:
+            yield from _elsewhere(plan, scenario, policies, left, jobs, seconds)
+            return
+        began = time.perf_counter()
+        yield from outcomes(plan, scenario, policies, [seed])
+        seconds = time.perf_counter() - began
+
+
+def _elsewhere(
+    plan: Plan,
+    scenario: Scenario,
+    policies: Mapping[str, Mapping[str, Any]],
+    seeds: Sequence[int],
+    jobs: int,
+    seconds: float,
+) -> Generator[Outcome, None, None]:
+    """The same in processes, where a seed takes so many seconds; no batch is more than a fair share."""
+    size = max(min(int(BATCH_SECONDS / seconds), math.ceil(len(seeds) / jobs)), 1)
     calls = [(plan, scenario, policies, seeds[i : i + size]) for i in range(0, len(seeds), size)]
-    with closing(run_isolated(outcomes, calls, jobs=jobs, preload=PRELOAD)) as results:
+    with closing(run_isolated(outcomes, calls, jobs=jobs, preload=PRELOAD, reuse=True)) as results:
         for _, found in results:
             if isinstance(found, Failure):
                 raise found.error or CheckError(f"a run {found.reason}: {found.message}")

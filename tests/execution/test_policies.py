@@ -13,13 +13,16 @@ from support.amounts import sample
 from support.joint_oracle import minimum
 
 from msmrta_opt.certify.run import problems
+from msmrta_opt.execution.draw import draw_world
 from msmrta_opt.execution.execute import execute
 from msmrta_opt.execution.policies import replan
 from msmrta_opt.execution.replanning import Remaining
+from msmrta_opt.execution.simulation import Simulation
 from msmrta_opt.execution.state import Situated, State
 from msmrta_opt.mission.errors import InputError, NoPlanError
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.plan import Plan
+from msmrta_opt.mission.scenario import Scenario
 from msmrta_opt.optimise.solve import solve
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.routing.objectives import objective_of
@@ -198,21 +201,27 @@ def test_wrong_options_are_told(street: Plan, options: dict[str, Any], message: 
     assert str(error.value).startswith(message)
 
 
-def remaining(number: int) -> Remaining:
-    """What is left of a random plan at its beginning, with a robot fewer and all others free."""
-    states: list[State] = []
-    plan = make_plan(executions.mission(3 * number), planner="random", seed=number)
+def planned_and_lost(mission: Instance, number: int) -> tuple[Plan, dict[str, Any]]:
+    """A random plan, and a robot that is lost at its beginning, when all others are free."""
+    plan = make_plan(mission, planner="random", seed=number)
     robots = plan.instance.robots
     scenario = {"lost": [{"robot": robots[0].id, "time": 0.0}]} if len(robots) > 1 else {}
     hidden = {"id": 10**6, "cell": list(robots[-1].start), "requirements": [], "announced": 0.0}
-    from msmrta_opt.execution.draw import draw_world
-    from msmrta_opt.execution.simulation import Simulation
-    from msmrta_opt.mission.scenario import Scenario
+    return plan, {**scenario, "victims": [hidden]}
 
-    given = Scenario.from_document({**scenario, "victims": [hidden]})
+
+def left_of(plan: Plan, scenario: dict[str, Any]) -> Remaining | None:
+    """What is left at the first decision."""
+    states: list[State] = []
+    given = Scenario.from_document(scenario)
     world = draw_world(plan, given, 0)
     Simulation(plan, given, world, lambda state: states.append(state), "detour").run()  # type: ignore[func-returns-value]
-    found = Remaining.of(states[0], Situated(plan, {"blocked": "detour"}, 0))
+    return Remaining.of(states[0], Situated(plan, {"blocked": "detour"}, 0))
+
+
+def remaining(number: int) -> Remaining:
+    """What is left of a random plan at its beginning, with a robot fewer and all others free."""
+    found = left_of(*planned_and_lost(executions.mission(3 * number), number))
     assert found is not None
     return found
 
@@ -227,6 +236,27 @@ def test_the_dearer_a_change_the_fewer_are_made(number: int) -> None:
         for price in PRICES
     ]
     assert chosen == sorted(chosen, reverse=True)
+
+
+@pytest.mark.parametrize("number", sample(range(40), quick=2))
+@pytest.mark.parametrize("model", ["", "joint_replan"])
+def test_the_dearer_visits_are_the_fewer_of_them_the_first_decision_of_a_run_changes(
+    number: int, model: str
+) -> None:
+    """By the formulation the run is the optimum that brute force finds at each price."""
+    given = executions.mission(3 * number)
+    given = given.replace(victims=given.victims[:4])
+    plan, lost = planned_and_lost(given, number)
+    left = left_of(plan, lost)
+    changed = []
+    for price in PRICES:
+        run = execute(plan, lost, "replan", model=model, stability=price)
+        first = run.decisions[0].changed if run.decisions else 0
+        changed.append(first)
+        if left is not None and model:  # nothing else happens, and all robots are free
+            best = minimum(left.data, "total_time", price)
+            assert run.metrics.total_time + price * first == pytest.approx(best)
+    assert changed == sorted(changed, reverse=True)
 
 
 @pytest.mark.parametrize("number", sample([0, 2, 4, 6, 8, 10, 12, 14, 16, 18], quick=2))

@@ -7,6 +7,7 @@ changed. By a formulation (``model``), such as ``joint_replan``, the price is pa
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -21,7 +22,7 @@ from ...routing.heuristics.ruin_and_recreate import ruin_and_recreate
 from ...routing.objectives import DEFAULT, objective_of
 from ...routing.parameters import Parameters
 from ...routing.problem import Routes, RoutingData, faults
-from ...routing.stop import MaximumIterations, MaximumRuntime
+from ...routing.stop import MaximumIterations, MaximumRuntime, StoppingCriterion
 from ..replanning import Remaining, towards
 from ..state import Decide, Policy, Queues, Situated, State
 
@@ -65,7 +66,7 @@ def candidates(remaining: Remaining, options: Mapping[str, Any], seed: int) -> l
     given: dict[str, Any] = {"seed": seed} if "seed" in chosen.options else {}
     if chosen.heeds_objective:
         given["objective"] = aim.name
-    seconds = options["seconds"]
+    seconds, began = options["seconds"], time.perf_counter()
     if "time_limit" in chosen.options:
         given["time_limit"] = 1.0 if seconds is None else seconds
     try:
@@ -74,13 +75,16 @@ def candidates(remaining: Remaining, options: Mapping[str, Any], seed: int) -> l
         return found
     if not faults(data, planned):
         found.append(planned)
+    stop: StoppingCriterion = MaximumIterations(ITERATIONS)
+    if seconds is not None:
+        stop = MaximumRuntime(max(seconds - (time.perf_counter() - began), 0.0))
     if not chosen.improves_itself or len(found) == 1:  # or its plan goes beyond robots' limits
         found += [
             ruin_and_recreate(
                 data,
                 routes,
                 aim,
-                stop=MaximumIterations(ITERATIONS) if seconds is None else MaximumRuntime(seconds),
+                stop=stop,
                 seed=seed,
                 parameters=Parameters().heuristics,
             )
