@@ -150,16 +150,19 @@ function drawTrail(pen, robot, now, scene, scale, shift) {
   }
 }
 
-/* Cells that events have blocked or opened: crossed, and filled once robots know. */
+/* Cells that events have blocked, a boxed cross, or opened, a box; filled once robots know. */
 function drawChanges(pen, panel, scene, scale) {
-  const { red, wall, floor } = scene.colours, half = Math.max(scale.cell / 2, 3);
+  const { ink, wall, floor } = scene.colours, half = Math.max(scale.cell / 2, 3);
   for (const { row, col, free, noticed } of changesAt(panel.plan, scene.t)) {
     const x = scale.x(col), y = scale.y(row);
     pen.fillStyle = free ? floor : wall;
     pen.globalAlpha = noticed ? 0.8 : 0.3;
     pen.fillRect(x - scale.cell / 2, y - scale.cell / 2, scale.cell, scale.cell);
     pen.globalAlpha = 1;
-    if (!free) cross(pen, x, y, 0.8 * half, red, Math.max(scale.line, 1.5));
+    pen.strokeStyle = ink;
+    pen.lineWidth = 1;
+    pen.strokeRect(x - half, y - half, 2 * half, 2 * half);
+    if (!free) cross(pen, x, y, half, ink, 1);
   }
 }
 
