@@ -85,7 +85,7 @@ TABLE: dict[str, tuple[str, str, str]] = {
     "repeated_victim_id.json": ("victims[1].id", "1 is repeated", "ids differ"),
     "repeated_scout_id.json": ("scouts[1].id", "4 is repeated", "ids differ"),
     "no_robots.json": ("robots", "[]", "give a list of 1 or more"),
-    "too_few_cluster_labels.json": ("clusters", "1 labels for 2 victims", "one per victim"),
+    "too_few_cluster_labels.json": ("clusters", "1 label for 2 victims", "one per victim"),
     # Cells and embedded maps
     "start_outside_map.json": ("robots[1].start", "[2, 1]", "rows are 0 to 1, columns 0 to 2"),
     "cell_outside_map.json": ("victims[1].cell", "[1, 3]", "rows are 0 to 1, columns 0 to 2"),

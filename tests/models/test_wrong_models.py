@@ -171,10 +171,10 @@ class Case:
         return [*self.command.split(), *what[self.command]]
 
 
-BROKEN = {"watch": 0, "compare": 1, "study run": 0}
-"""Exit statuses where a model cannot be built; of other commands 2. A study keeps its failures."""
+BROKEN = {"watch": 0, "compare": 1, "study run": 1}
+"""Exit statuses where a model cannot be built; of other commands 2. A study of failures alone is one."""
 UNSOLVED = dict.fromkeys(("show", "export", "explain", "diff", "diff --search", "watch"), 0)
-UNSOLVED["study run"] = 0
+UNSOLVED["study run"] = 0  # that there is no solution is a result of the solve beside the plan
 """Exit statuses where a model has no solution; of other commands 1."""
 STUDY = """
 title = "a wrong model"
