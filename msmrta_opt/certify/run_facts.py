@@ -133,6 +133,17 @@ class Facts:
             end = self.victims[visits[-1].victim].cell
         else:
             end = last
-        # Where a cell was blocked, it may have given up the way there.
         told = any(event.what == "lost" and event.robot == robot for event in self.run.events)
+        if told and self._may_move(robot, self.lost[robot]):
+            return False
+        # Where a cell was blocked, it may have given up the way there.
         return last == end or not (told or math.isinf(blocked_from(self.run)))
+
+    def _may_move(self, robot: int, time: float) -> bool:
+        """Whether a move may be under way that was begun before a decision took its reason away."""
+        step = (1.0 + CLOSE) / self.speed[robot]
+        return any(
+            queue.robot == robot and queue.visits and d.time <= time <= d.time + step
+            for d in self.run.decisions
+            for queue in d.before
+        )
