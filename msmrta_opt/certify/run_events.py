@@ -94,16 +94,19 @@ def _noticed(facts: Facts, said: Set[tuple[float, Cell | None]]) -> Iterator[tup
 def _standing(facts: Facts, time: float, *, surely: bool) -> Iterator[Cell]:
     """Where robots are that are not lost by a time, and not under way to another cell.
 
-    Not sure is it of those that are lost after their last move, and of those that set out at that
-    time, give and take rounding.
+    Not sure is it of those that may have been within a move when they were lost, or the run ended, and
+    of those that set out at that time, give and take rounding.
     """
+    until = facts.run.scenario.until
+    horizon = np.inf if until is None else until
     for track in facts.run.tracks:
         loss = facts.lost.get(track.robot, np.inf)
         number = int(np.searchsorted(track.times, time))
         if loss <= time:
             continue
         if number == len(track.times):
-            if surely == bool(np.isinf(loss)):
+            step = (1.0 + CLOSE) / facts.speed[track.robot]
+            if surely == (time + step <= min(loss, horizon)):
                 yield track.cells[-1]
             continue
         ahead = track.times[number] - 1 / facts.speed[track.robot] - time
