@@ -144,9 +144,10 @@ class Certificate:
             return "infeasible"
         low = "(-inf" if self.lower is None else f"[{_shown(self.lower)}"
         high = "inf)" if self.upper is None else f"{_shown(self.upper)}]"
-        one = Fraction(self.lower or 0)
-        is_one = self.lower == self.upper and one.denominator > 1
-        about = f" (about {float(one):.9g})" if is_one and abs(one) < 10**300 else ""
+        ends = [Fraction(end) for end in (self.lower, self.upper) if end is not None]
+        is_told = any(e.denominator > 1 for e in ends) and all(abs(e) < 10**300 for e in ends)
+        near = " to ".join(dict.fromkeys(f"{float(e):.9g}" for e in ends)) if is_told else ""
+        about = f" (about {near})" if near else ""
         return f"{'minimum' if self.minimise else 'maximum'} in {low}, {high}{about}"
 
     @property

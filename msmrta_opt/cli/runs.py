@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -256,7 +256,8 @@ def _served(
         for visit in route.visits:
             if visit.served:
                 planned[visit.victim] = max(planned.get(visit.victim, 0.0), visit.departure)
-    victims = sorted({*planned, *(victim for x in found for victim in x.served)})
+    needy = {victim.id for victim in plan.instance.victims if victim.requirements}
+    victims = sorted(needy.union(*(x.victims for x in found)))
     end = plan.metrics.makespan
     return [
         (name, victim, time, served_by(of_policy(found, name), victim, time))
@@ -286,21 +287,24 @@ def _show_many(
 
     names = [name for name in names if any(x.policy == name for x in found)]
 
-    def interval(low: float | None, high: float | None) -> str:
-        return f"{number(low, 4)} to {number(high, 4)}"
+    def interval(of: Any, scaled: Callable[[float], float]) -> str:
+        ends = (None if end is None else scaled(end) for end in (of.low, of.high))
+        return " to ".join(number(end, 4) for end in ends)
 
     for policy in names:
         rows = [
             (
-                RUN_METRICS[metric].label,
-                *(quantile.value for quantile in each),
-                interval(each[len(each) // 2].low, each[len(each) // 2].high),
+                entry.label,
+                *(entry.scaled(quantile.value) for quantile in each),
+                interval(each[len(each) // 2], entry.scaled),
+                entry.unit,
             )
-            for name, metric, each in _quantiles(found, [policy])
+            for _, metric, each in _quantiles(found, [policy])
+            for entry in [RUN_METRICS[metric]]
         ]
         table(
             f"{policy}: quantiles of {len(of_policy(found, policy))} runs",
-            ["metric", *(f"{share:.0%}" for share in QUANTILES), "median, 95 %"],
+            ["metric", *(f"{share:.0%}" for share in QUANTILES), "median, 95 %", "unit"],
             rows,
         )
     rows = [
@@ -315,18 +319,20 @@ def _show_many(
     if len(names) > 1:
         table(
             f"On the same seeds, less {names[0]}",
-            ["policy", "metric", "mean", "95 %", "less", "equal", "more"],
+            ["policy", "metric", "mean", "95 %", "unit", "less", "equal", "more"],
             [
                 (
                     other,
-                    RUN_METRICS[metric].label,
-                    gap.mean,
-                    interval(gap.low, gap.high),
+                    entry.label,
+                    entry.scaled(gap.mean),
+                    interval(gap, entry.scaled),
+                    entry.unit,
                     gap.less,
                     gap.equal,
                     gap.more,
                 )
                 for other, metric, gap in _differences(found, names)
+                for entry in [RUN_METRICS[metric]]
             ],
         )
 
@@ -337,8 +343,10 @@ def _show(run: Run) -> None:
     from .console import say, table
 
     told = [event for event in run.events if event.what != "served"]
+    decided = iter(run.decisions)
+    words = [str(next(decided, event) if event.what == "decided" else event) for event in told]
     if told:
-        table("Events", ["time", "what"], [(event.time, str(event)) for event in told])
+        table("Events", ["time", "what"], list(zip((e.time for e in told), words, strict=True)))
     planned: dict[int, float] = {}
     for route in run.plan.routes:
         for visit in route.visits:

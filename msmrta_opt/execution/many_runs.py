@@ -38,13 +38,14 @@ class Outcome:
     Among ``figures``, the robots that are lost are those until the last of the runs that are compared
     has ended: policies on the same seed lose the same.
     ``served`` holds by victim when the last of its requirements that any robot has was served, for
-    those of which all were.
+    those of which all were; ``victims`` are those that turned up, served or not.
     """
 
     policy: str
     seed: int
     figures: Mapping[str, float]
     served: Mapping[int, float]
+    victims: tuple[int, ...] = ()
 
 
 def execute_many(
@@ -143,4 +144,7 @@ def _outcome(run: Run, end: float) -> Outcome:
     )
     served = {ident: completion[ident] for ident in whole if ident in completion}
     lost = sum(loss.time <= end for loss in run.world.lost)
-    return Outcome(run.policy, run.seed, {**run.figures, "robots_lost": lost}, served)
+    figures = {**run.figures, "robots_lost": lost}
+    there = {victim.id for victim in run.plan.instance.victims}
+    turned_up = tuple(victim.id for victim in run.victims if victim.id not in there)
+    return Outcome(run.policy, run.seed, figures, served, turned_up)

@@ -11,6 +11,9 @@ from .instance import Victim
 from .proof import Finite
 from .route import PlanRecord, Time
 
+MAX_TOLD = 4
+"""Changes of a decision that are told by name."""
+
 
 class DrawnSpeed(PlanRecord):
     """The speed at which a robot moves, in cells per time unit."""
@@ -173,3 +176,26 @@ class Decision(PlanRecord):
     before: tuple[Queue, ...]
     after: tuple[Queue, ...]
     changed: NonNegativeInt
+
+    def __str__(self) -> str:
+        """Who is told to do what he was not, for instance ``victim 50 Aid to robot 3``."""
+        before, after = _robots(self.before), _robots(self.after)
+        given = [
+            f"victim {victim} {kind} to robot {robot}"
+            for (victim, kind), robot in after.items()
+            if before.get((victim, kind)) != robot
+        ]
+        dropped = [f"victim {victim} {kind} to nobody" for victim, kind in before.keys() - after]
+        moved = [*given, *sorted(dropped)]
+        more = [f"{len(moved) - MAX_TOLD} more"] if len(moved) > MAX_TOLD else []
+        return "decided: " + ("; ".join([*moved[:MAX_TOLD], *more]) or "nothing is changed")
+
+
+def _robots(queues: tuple[Queue, ...]) -> dict[tuple[int, str], int]:
+    """Who is to serve which requirement."""
+    return {
+        (visit.victim, kind): queue.robot
+        for queue in queues
+        for visit in queue.visits
+        for kind in visit.served
+    }

@@ -100,7 +100,7 @@ INFEASIBLE = {
         ({"claim": "RTP range 2 inf", "solutions": "SOL 0"}, "minimum in [2, inf)"),
         ({"claim": "RTP range -inf 3", "derivations": "DER 0"}, "minimum in (-inf, 3]"),
         ({"claim": "RTP range -inf inf", "derivations": "DER 0"}, "minimum in (-inf, inf)"),
-        ({"claim": "RTP range 3/2 2.50"}, "minimum in [3/2, 5/2]"),
+        ({"claim": "RTP range 3/2 2.50"}, "minimum in [3/2, 5/2] (about 1.5 to 2.5)"),
         ({"derivations": SPLIT_ON_X}, "minimum in [2, 2]"),
         (MAXIMUM, "maximum in [5, 5]"),
         ({**MAXIMUM, "claim": "RTP range -inf 5", "solutions": "SOL 0"}, "maximum in (-inf, 5]"),

@@ -131,3 +131,29 @@ def test_what_comes_of_a_seed_does_not_depend_on_the_number_of_processes(
         asked = ("--scenario", scenario, "--runs", 3, "--jobs", jobs, "--json", file)
         assert msmrta("run", tmp_path / "plan.json", *asked) == 0
     assert json.loads(files[0].read_text()) == json.loads(files[1].read_text())
+
+
+TURNS_UP = """format = "msmrta-scenario/1"
+[[victims]]
+id = 50
+cell = [0, 1]
+requirements = ["Aid"]
+announced = 0.5
+"""
+
+
+def test_of_a_victim_that_turns_up_it_is_told_who_gets_it_and_how_likely_it_is_served(
+    msmrta: Command, plan: Plan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan.save(tmp_path / "plan.json")
+    scenario = tmp_path / "scenario.toml"
+    kind = plan.instance.robots[0].capabilities[0]
+    scenario.write_text(TURNS_UP.replace("Aid", kind), encoding="utf-8")
+    asked = ("run", tmp_path / "plan.json", "--scenario", scenario)
+    assert msmrta(*asked, "--policy", "repair") == 0
+    assert f"decided: victim 50 {kind} to robot" in capsys.readouterr().out
+    told = tmp_path / "runs.json"
+    assert msmrta(*asked, "--policy", "keep", "--runs", 2, "--json", told) == 0
+    served = {row["victim"]: row["value"] for row in json.loads(told.read_text())["served"]}
+    assert served[50] == 0
+    assert "57.1429" in capsys.readouterr().out.split("served share")[1], "per cent: 4 of 7"
