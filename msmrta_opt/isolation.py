@@ -89,7 +89,7 @@ class Worker:
         context = _context(preload)
         self._connection, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        with _processes, _as_a_plain_parent():
+        with _processes, _as_a_plain_parent(), _without_ctrl_c():
             self._process.start()
         theirs.close()
 
@@ -323,6 +323,19 @@ def _as_a_plain_parent() -> Iterator[None]:
         sys.modules["__main__"] = main
         if daemon is not None:
             config["daemon"] = daemon
+
+
+@contextmanager
+def _without_ctrl_c() -> Iterator[None]:
+    """Start what is started so that Ctrl-C does not reach it, not even while it still imports."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _serve(connection: Connection) -> None:

@@ -108,13 +108,13 @@ def may_stop(run: Run, robot: int, victim: int, kinds: tuple[str, ...]) -> bool:
     """Whether a robot may never be done with a visit that it was told to make.
 
     It may if it was lost over it, or the run ended, at the latest on the next step or service that it
-    would have finished; or if it waits, or has waited, for a cell that was blocked.
+    would have finished; or if it waits, or a cell was blocked by then, for which it may have waited.
     """
     if any(event.what == "waiting" and event.robot == robot for event in run.events):
         return True
     end = stopped_at(run, robot)
-    if math.isinf(end) or not math.isinf(blocked_from(run)):
-        return not math.isinf(end)
+    if math.isinf(end):
+        return False
     track = next(track for track in run.tracks if track.robot == robot)
     step = 1 / next(drawn.speed for drawn in run.world.speeds if drawn.robot == robot)
     times = {(item.victim, item.kind): item.time for item in run.world.services}
@@ -125,4 +125,4 @@ def may_stop(run: Run, robot: int, victim: int, kinds: tuple[str, ...]) -> bool:
         0.0,
     )
     longest = max(step, *(times[victim, kind] for kind in kinds))
-    return end <= (last + longest) * (1 + CLOSE)
+    return min(end, blocked_from(run)) <= (last + longest) * (1 + CLOSE)

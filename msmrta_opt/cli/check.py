@@ -115,7 +115,7 @@ def check(
         other_solver(solver)
     check_outputs(json, inputs=[*files, proof])
     documents = [_read(file) for file in files]
-    if proof is not None and sum(not isinstance(item, Instance) for item in documents) != 1:
+    if proof is not None and sum(isinstance(item, Plan) for item in documents) != 1:
         raise InputError("is of one plan; give one plan with it", field="--proof")
     missions = [item for item in documents if isinstance(item, Instance)]
     wrong = only_claimed = False

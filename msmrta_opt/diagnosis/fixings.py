@@ -79,6 +79,8 @@ def with_bounds(program: Program, given: Fixings) -> Program:
 def _pairs(asked: Asked) -> list[tuple[str, float]]:
     if isinstance(asked, Mapping):
         return [(str(name), _number(str(name), value)) for name, value in asked.items()]
+    if isinstance(asked, str) and not asked.strip():
+        raise InputError("''; give NAME=VALUE, or a file of them", field="why_not")
     if isinstance(asked, Path) or (isinstance(asked, str) and "=" not in asked):
         try:
             return _of_file(Path(asked))

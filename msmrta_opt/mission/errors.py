@@ -83,6 +83,9 @@ class MistakesError(InputError):
         more = f" (and {n_more} more {'mistake' if n_more == 1 else 'mistakes'})"
         super().__init__(first.problem + more, field=first.field, file=first.file)
 
+    def __reduce__(self) -> tuple[type[MistakesError], tuple[Sequence[InputError]]]:
+        return MistakesError, (self.each,)
+
     def within(self, file: str | PathLike[str]) -> MistakesError:
         """The same errors, each said of `file` (unless it names one already)."""
         return MistakesError([error.within(file) for error in self.each])

@@ -174,10 +174,25 @@ class Scenario(_Table):
             *_repeats("speed", "robot", [table.robot for table in self.speed]),
             *_repeats("service", "kind", [table.kind for table in self.service]),
             *_repeats("victims", "id", [table.id for table in self.victims]),
+            *self._at_the_end(),
         ]
         if wrong:
             raise all_of(wrong)
         return self
+
+    def _at_the_end(self) -> Iterator[InputError]:
+        """What would happen just as the run ends, of which nobody could say whether it does."""
+        times: list[tuple[str, float | None]] = []
+        times += [(at("lost", i, "time"), table.time) for i, table in enumerate(self.lost)]
+        times += [
+            (at("victims", i, "announced"), table.announced) for i, table in enumerate(self.victims)
+        ]
+        for i, table in enumerate(self.corridors):
+            ends = {"blocked": table.blocked, "opened": table.opened}
+            times += [(at("corridors", i, name), time) for name, time in ends.items()]
+        for field, time in times:
+            if time is not None and time == self.until:
+                yield InputError(f"{time:g}; the run ends then: give another time", field=field)
 
     @classmethod
     def read(cls, path: str | Path) -> Scenario:

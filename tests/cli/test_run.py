@@ -63,6 +63,7 @@ def test_regret_is_in_the_file_by_the_objective_that_is_asked_for(
     assert (found["objective"], found["run"]) == ("makespan", document["figures"]["makespan"])
     assert 0 < found["bound"] <= found["best"] <= found["run"]
     assert msmrta("check", run) == 0
+    assert msmrta("check", run, "--proof", tmp_path / "none.vipr") == 2
     for name, value in {"run": 1.0, "best": found["run"] + 1, "bound": found["best"] + 1}.items():
         run.write_text(json.dumps({**document, "hindsight": {**found, name: value}}))
         assert msmrta("check", run) == 1
@@ -70,6 +71,9 @@ def test_regret_is_in_the_file_by_the_objective_that_is_asked_for(
 
 EMPTY = "{file}: is empty; give what may happen, or format = 'msmrta-scenario/1' alone for nothing"
 SCENARIOS = {
+    'format = "msmrta-scenario/1"\nuntil = 300.0\n[[lost]]\nrobot = 0\ntime = 300.0\n': (
+        "{file}: lost[0].time: 300; the run ends then: give another time"
+    ),
     "": EMPTY,
     "# nothing\n": EMPTY,
     '[[victims]]\nid = 50\ncell = HERE\nrequirements = ["A", "A"]': (

@@ -160,6 +160,7 @@ def test_values_are_read_from_a_file(name: str, text: str, tmp_path: Path) -> No
         ("=1", "'=1'; give for instance"),
         ({"x[1]": True}, "True for x"),
         ([], "nothing is asked for"),
+        (" ", "why_not: ''; give NAME=VALUE"),
         ("none.txt", "none.txt: no such file"),
     ],
 )

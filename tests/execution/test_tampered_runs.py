@@ -176,6 +176,30 @@ def close(changed: dict[str, Any], col: int) -> None:
     changed["events"].insert(0, {"time": 1.5, "what": "blocked", "cell": [0, col]})
 
 
+def blocked_after_all(changed: dict[str, Any]) -> None:
+    """A corridor is blocked long after the mission: no reason to wait before."""
+    changed["options"]["blocked"] = "wait"
+    changed["scenario"]["until"] = 9999.0
+    close(changed, 3)
+    for item in (changed["world"]["changes"][0], changed["events"][0]):
+        item["time"] = 5000.0
+    changed["scenario"]["corridors"][0]["blocked"] = 5000.0
+    changed["events"].append(changed["events"].pop(0))
+
+
+def do_nothing_before_a_block(changed: dict[str, Any]) -> None:
+    blocked_after_all(changed)
+    track = changed["tracks"][0]
+    track["cells"], track["times"] = track["cells"][:1], track["times"][:1]
+    changed["services"] = []
+    changed["events"] = changed["events"][-1:]
+
+
+def stand_still_before_a_block(changed: dict[str, Any]) -> None:
+    stand_still(changed)
+    blocked_after_all(changed)
+
+
 def go_on_after_the_end(changed: dict[str, Any]) -> None:
     changed["scenario"]["until"] = 20.0
 
@@ -199,6 +223,8 @@ FALSE = {
     lose_who_is_done: "an event did not happen: lost (4, (0, 5)) at 77",
     stand_still: "robot 4 stands still from 0 to 100, for no reason",
     wander: "robot 4 goes another way than the plan, for no reason",
+    do_nothing_before_a_block: "robot 4 does not do at victim 7 what it is told",
+    stand_still_before_a_block: "robot 4 stands still from 0 to 100, for no reason",
     leave_out_nothing: "what is left out at 25 is no visit of a robot to a victim",
     decide: "the policy keep decides nothing, and there are decisions",
 }
@@ -211,6 +237,11 @@ def test_what_a_robot_does_for_no_reason_is_refused(
     assert problems(figured(corridor)) == []
     change(corridor)
     assert problems(figured(corridor))[0] == FALSE[change]
+
+
+def test_a_block_long_after_all_is_done_is_no_fault(corridor: dict[str, Any]) -> None:
+    blocked_after_all(corridor)
+    assert problems(figured(corridor)) == []
 
 
 def test_a_victim_that_needs_what_there_is_not_is_refused_and_no_error(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -109,6 +110,9 @@ def test_as_one_error_the_first_is_told_with_how_many_more() -> None:
         Instance.from_document(document, file="mine.json")
     assert str(caught.value) == ("mine.json: name: 1; give a text in quotes (and 2 more mistakes)")
     assert {each.file for each in caught.value.each} == {"mine.json"}
+    from_another_process = pickle.loads(pickle.dumps(caught.value))
+    assert str(from_another_process) == str(caught.value)
+    assert len(from_another_process.each) == 3
 
 
 def test_the_command_line_has_a_line_for_each(

@@ -106,7 +106,10 @@ def scenario(number: int, made: Plan) -> Scenario:
         ],
     }
     if chance.random() < 0.25:
-        document["until"] = end * chance.choice([0.3, 1.0, 2.0])
+        until = end * chance.choice([0.3, 1.0, 2.0])
+        tables = [*document["lost"], *document["victims"], *document["corridors"]]
+        if not any(value == until for table in tables for value in table.values()):
+            document["until"] = until
     return Scenario.from_document(document)
 
 
