@@ -31,6 +31,8 @@ from ..stages.situation import Situation
 def hindsight(run: Run, *, objective: str = DEFAULT, time_limit: float = 10.0) -> Hindsight:
     """The best that a policy could have made of a run's world, and the regret of the run.
 
+    The plan's own limits are left out, so that it is a bound on what keeps to them, too.
+
     Parameters
     ----------
     run : Run
@@ -43,16 +45,13 @@ def hindsight(run: Run, *, objective: str = DEFAULT, time_limit: float = 10.0) -
     Raises
     ------
     InputError
-        If it is no run, there is no such objective, the limit is none, or the plan keeps to limits of
-        its own.
+        If it is no run, there is no such objective, or the limit is none.
     """
     if not isinstance(run, Run):
         raise InputError(f"{shown(run)}; give a run, as msmrta_opt.execute returns it", field="run")
     aim = objective_of(objective)
     if isinstance(time_limit, bool) or not time_limit >= 0:
         raise InputError(f"{time_limit!r}; give a number, 0 or more", field="time_limit")
-    if any(limit is not False for limit in run.plan.limits.values()):
-        raise InputError("the plan keeps to limits of its own, of which hindsight knows nothing")
     came_to = float(getattr(run.metrics, aim.name))
     mission = as_it_turned_out(run)
     if not mission.victims:

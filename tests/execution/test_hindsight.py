@@ -54,3 +54,11 @@ def test_no_run_is_better_than_the_bound(number: int) -> None:
     found = hindsight(run, time_limit=1.0)
     assert found.bound <= found.best * (1 + 1e-9)
     assert found.best <= found.run * (1 + 1e-9)
+
+
+def test_limits_of_the_plan_are_part_of_what_is_regretted() -> None:
+    """Five cells and two services of 10 are enough, where the robot walks back as well."""
+    mission = Instance.from_document(executions.CORRIDOR)
+    run = execute(make_plan(mission, planner="exact", return_to_start=True))
+    found = hindsight(run)
+    assert (found.run, found.best, found.proved) == (30, 25, True)
