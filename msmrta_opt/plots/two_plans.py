@@ -51,7 +51,7 @@ def plot_two_plans(before: Plan, after: Plan, *, ringed: Sequence[int] = ()) -> 
     faded = {v.id for p in plans for v in p.instance.victims} - moved if moved else set()
     sections = plans_key(plans)
     if moved:
-        grey = mark_handle("o", "the same robot in both plans", face=FADED)
+        grey = mark_handle("o", "the same robots in both plans", face=FADED)
         sections.append(Section("Differences", [grey]))
     inner = WIDTH - 2 * MARGIN
     maps = maps_height(plans, inner)
