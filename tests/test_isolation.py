@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -111,6 +112,16 @@ def test_a_worker_does_one_call_after_another_until_one_ends_it() -> None:
         assert worker.call(do, "leave").reason == "crashed"
         assert not worker.is_alive
         assert worker.call(double, 1).reason == "crashed"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signals")
+@pytest.mark.parametrize("preload", [(), None], ids=["forked", "fresh"])
+def test_ctrl_c_does_not_reach_a_process_that_is_still_starting(
+    preload: tuple[str, ...] | None,
+) -> None:
+    """A terminal sends it to all, and imports that it cuts off would tell of it in a traceback."""
+    with Worker(preload) as worker:
+        assert signal.SIGINT in worker.call(signal.pthread_sigmask, signal.SIG_BLOCK, ())
 
 
 def test_what_a_run_prints_goes_to_standard_error(capfd: pytest.CaptureFixture[str]) -> None:
