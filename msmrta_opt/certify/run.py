@@ -18,10 +18,10 @@ from ..mission.grid import Cell
 from ..mission.run import Run, Walked
 from .plan import problems as problems_of_plan
 from .run_events import problems as problems_of_events
-from .run_facts import CLOSE, Facts
+from .run_facts import Facts
 from .run_figures import figures
 from .run_limits import problems as problems_of_limits
-from .run_orders import blocked_from, orders_of, said_of, stopped_at, told
+from .run_orders import CLOSE, blocked_from, orders_of, said_of, stopped_at, told
 from .run_reasons import problems as problems_of_reasons
 from .run_world import problems as problems_of_world
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..mission.grid import Cell
 from ..mission.run import Change
-from .run_facts import CLOSE, Facts
+from .run_facts import Facts
+from .run_orders import CLOSE
 
 
 def problems(facts: Facts) -> Iterator[str]:

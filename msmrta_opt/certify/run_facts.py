@@ -10,11 +10,8 @@ import numpy as np
 
 from ..mission.grid import Cell
 from ..mission.run import Change, Run, Service
-from .run_orders import Followed, blocked_from, followed
+from .run_orders import CLOSE, Followed, blocked_from, followed
 from .scouting import in_sight
-
-CLOSE = 1e-9
-"""Share of a time up to which two times are the same."""
 
 
 class Facts:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from .joint_problem import Limits, service_times
-from .run_facts import CLOSE, Facts
-from .run_orders import blocked_from, stopped_at
+from .run_facts import Facts
+from .run_orders import CLOSE, blocked_from, stopped_at
 
 
 def problems(facts: Facts) -> Iterator[str]:
