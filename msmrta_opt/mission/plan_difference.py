@@ -77,10 +77,15 @@ class PlanDifference:
         ]
 
     @property
-    def moved_victims(self) -> list[int]:
-        """Ids of the victims that another robot serves, or only one of the plans."""
+    def moved_requirements(self) -> list[tuple[int, str]]:
+        """Victim's id and kind of what another robot serves, or only one of the plans."""
+        old, new = _served(self.before), _served(self.after)
         stays = ("another place", "another time")
-        return sorted({row["victim"] for row in self.moved if row["change"] not in stays})
+        return sorted(
+            key
+            for key in {*old, *new}
+            if (was := old.get(key)) != (is_ := new.get(key)) and _change(was, is_) not in stays
+        )
 
     def to_frame(self) -> pd.DataFrame:
         """`moved` as a table."""
@@ -92,9 +97,9 @@ class PlanDifference:
         return frame.astype(dict.fromkeys(whole, "Int64"))
 
     def plot(self) -> Figure:
-        """Both plans' paths beside each other, victims that moved ringed."""
+        """Both plans' paths beside each other, in colour what moved to another robot."""
         figure: Figure = load("plots").plot_two_plans(
-            self.before, self.after, ringed=self.moved_victims
+            self.before, self.after, moved=self.moved_requirements
         )
         return figure
 

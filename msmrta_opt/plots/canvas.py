@@ -23,8 +23,10 @@ from .style import FAINT, WALL, WALL_EDGE
 
 LINE_INCHES = 0.16
 """Of a legend."""
-SMALL_ROBOTS, SMALL_VICTIMS, SMALL_SIDE = 8, 40, 40
-"""Up to so many robots, victims and cells a side, each has marks and names of its own."""
+SMALL_ROBOTS, SMALL_VICTIMS = 8, 40
+"""Up to so many robots and victims, each has marks and names of its own."""
+MAX_SIDE = 220
+"""Cells a side up to which a cell of a map is at least two points wide on a page, so can be seen."""
 
 
 def is_large(instance: Instance) -> bool:
@@ -35,7 +37,7 @@ def is_large(instance: Instance) -> bool:
         crowded
         or instance.n_robots > SMALL_ROBOTS
         or instance.n_victims > SMALL_VICTIMS
-        or max(n_rows, n_cols) > SMALL_SIDE
+        or max(n_rows, n_cols) > MAX_SIDE
     )
 
 

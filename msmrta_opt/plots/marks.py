@@ -20,7 +20,7 @@ from matplotlib.transforms import Affine2D
 
 from ..mission.grid import Cell
 from ..mission.instance import Instance, Victim
-from ..mission.plan import Plan
+from ..mission.plan import Plan, Visit
 from .canvas import Scale
 from .placing import Box, apart
 from .style import FADED, FAINT, INK, MISSED, TURNED_UP, RobotStyle, robot_styles
@@ -87,16 +87,21 @@ def weights_of(instance: Instance) -> dict[int, float]:
     return {v.id: 1 + 0.4 * (v.priority - low) / span for v in instance.victims}
 
 
+def fades(visit: Visit, faded: Collection[tuple[int, str]]) -> bool:
+    """Whether a visit is grey: all that it serves is among the requirements `faded`."""
+    return bool(faded) and all((visit.victim, kind) in faded for kind in visit.served)
+
+
 def served_groups(
-    plan: Plan, faded: Collection[int] = (), tinted: Collection[int] = ()
+    plan: Plan, faded: Collection[tuple[int, str]] = (), tinted: Collection[int] = ()
 ) -> list[Group]:
-    """The victims with the arcs of what they need, by who serves it; of those `faded` in grey.
+    """The victims with the arcs of what they need, by who serves it; requirements `faded` in grey.
 
     The discs of those `tinted` say that they turned up on the way.
     """
     styles = robot_styles(plan.instance)
     server = {
-        (visit.victim, kind): FADED if visit.victim in faded else styles[route.robot].colour
+        (visit.victim, kind): FADED if (visit.victim, kind) in faded else styles[route.robot].colour
         for route in plan.routes
         for visit in route.visits
         for kind in visit.served

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..mission.instance import Victim
 from ..mission.plan import Plan
 from .canvas import Scale
-from .marks import draw_groups, start_of, unserved_victims
+from .marks import draw_groups, fades, start_of, unserved_victims
 from .style import FADED, INK, MISSED, TURNED_UP, robot_styles
 from .walks import corners, lanes
 
@@ -29,7 +29,7 @@ def draws_lines(plan: Plan) -> bool:
     return plan.instance.n_robots <= LINES_OF
 
 
-def draw_walks(ax: Axes, plan: Plan, scale: Scale, faded: Collection[int] = ()) -> None:
+def draw_walks(ax: Axes, plan: Plan, scale: Scale, faded: Collection[tuple[int, str]] = ()) -> None:
     """Draw each robot's walk as a line in its colour, or of many robots how often cells are passed."""
     moving = [route for route in plan.routes if route.cells]
     if not moving:
@@ -47,11 +47,11 @@ def draw_walks(ax: Axes, plan: Plan, scale: Scale, faded: Collection[int] = ()) 
     lines, looks = [], []
     for route, shift in zip(moving, shifts, strict=True):
         style = styles[route.robot]
-        legs = [(visit.cells, visit.victim in faded) for visit in route.visits]
-        for leg, fades in [*legs, (route.back, True)] if faded else [(route.cells, False)]:
+        legs = [(visit.cells, fades(visit, faded)) for visit in route.visits]
+        for leg, grey in [*legs, (route.back, True)] if faded else [(route.cells, False)]:
             if len(leg) > 1:
                 lines.append(corners(leg, shift))
-                looks.append(replace(style, colour=FADED) if fades else style)
+                looks.append(replace(style, colour=FADED) if grey else style)
     ax.add_collection(
         LineCollection(lines, colors="white", linewidths=scale.line + 1.0, zorder=3),
         autolim=False,
@@ -83,33 +83,35 @@ def draw_victims(
     plan: Plan,
     scale: Scale,
     shapes: Mapping[str, str] | None = None,
-    faded: Collection[int] = (),
+    faded: Collection[tuple[int, str]] = (),
     tinted: Collection[int] = (),
 ) -> None:
     """Draw all victims in the colour of the robot that serves them last, and the robots' starts.
 
+    Of those of whom something is not `faded` it is the last robot of that; all else is grey.
     With shapes, a victim has that of the stage of this visit. Size grows with priority, and a red
     ring is around each of whom something stays unserved. Around those `tinted` is the colour of those
     who turned up on the way.
     """
     instance, styles = plan.instance, robot_styles(plan.instance)
-    last = {v.victim: (v.departure, r.robot, v.stage) for r in plan.routes for v in r.visits}
+    last: dict[int, tuple[bool, float, int, str]] = {}
     for route in plan.routes:
         for visit in route.visits:
-            if visit.departure >= last[visit.victim][0]:
-                last[visit.victim] = (visit.departure, route.robot, visit.stage)
+            own = (not fades(visit, faded), visit.departure, route.robot, visit.stage)
+            if visit.victim not in last or own[:2] >= last[visit.victim][:2]:
+                last[visit.victim] = own
     top = max((victim.priority for victim in instance.victims), default=1.0) or 1.0
     side = float(np.clip(1.3 * scale.cell, 4.5, 7.0))
     kinds = shapes or {"": "o"}
     for stage, shape in kinds.items():
         found = [
-            v for v in instance.victims if v.id in last and (not shapes or last[v.id][2] == stage)
+            v for v in instance.victims if v.id in last and (not shapes or last[v.id][3] == stage)
         ]
         if found:
             ax.scatter(
                 [v.cell[1] for v in found], [v.cell[0] for v in found], marker=shape,
                 s=[side**2 * (0.5 + 0.5 * v.priority / top) for v in found],
-                c=[FADED if v.id in faded else styles[last[v.id][1]].colour for v in found],
+                c=[styles[last[v.id][2]].colour if last[v.id][0] else FADED for v in found],
                 edgecolors=INK, linewidths=0.5, zorder=5,
             )  # fmt: skip
     unserved, idle = unserved_victims(plan), [v for v in instance.victims if v.id not in last]

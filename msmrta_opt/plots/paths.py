@@ -19,6 +19,7 @@ from .marks import (
     Group,
     clock_marker,
     draw_groups,
+    fades,
     served_groups,
     short_number,
     start_of,
@@ -34,7 +35,7 @@ def plot_paths(
     ax: Axes | None = None,
     *,
     robot_key: bool = True,
-    faded: Collection[int] = (),
+    faded: Collection[tuple[int, str]] = (),
     tinted: Collection[int] = (),
     badges: Sequence[Group] = (),
 ) -> Axes:
@@ -52,8 +53,9 @@ def plot_paths(
         Where to draw; a figure of its own by default.
     robot_key : bool
         Whether the legend lists the robots.
-    faded : collection of int
-        Ids of victims whose visits, and the walks to them, are drawn in grey.
+    faded : collection of (int, str)
+        Requirements, by victim's id and kind, that are drawn in grey; so are walks to visits that
+        serve nothing else.
     tinted : collection of int
         Ids of victims that are marked as having turned up on the way.
     badges : sequence of Group
@@ -86,23 +88,27 @@ def plot_paths(
 
 
 def _draw_each(
-    ax: Axes, plan: Plan, scale: Scale, faded: Collection[int], groups: Sequence[Group]
+    ax: Axes,
+    plan: Plan,
+    scale: Scale,
+    faded: Collection[tuple[int, str]],
+    groups: Sequence[Group],
 ) -> None:
     instance, styles = plan.instance, robot_styles(plan.instance)
     starts = [start_of(r.start, r.id, styles[r.id]) for r in instance.robots]
     taken = draw_groups(ax, [*starts, *groups], instance.map.shape, scale)
     moving = [route for route in plan.routes if route.cells]
     shifts = lanes(len(moving), scale)
-    for fades in (True, False) if faded else (False,):
+    for grey in (True, False) if faded else (False,):
         for route, shift in zip(moving, shifts, strict=True):
-            style = styles[route.robot] if not fades else replace(styles[route.robot], colour=FADED)
+            style = styles[route.robot] if not grey else replace(styles[route.robot], colour=FADED)
             if not faded:
                 draw_walk(ax, route.cells, shift, style, scale)
-            legs = [(visit.cells, visit.victim in faded) for visit in route.visits]
-            for leg, fades_too in [*legs, (route.back, bool(faded))]:
-                if faded and fades_too == fades:
+            legs = [(visit.cells, fades(visit, faded)) for visit in route.visits]
+            for leg, grey_too in [*legs, (route.back, bool(faded))]:
+                if faded and grey_too == grey:
                     draw_walk(ax, leg, shift, style, scale)
-                if fades_too == fades:
+                if grey_too == grey:
                     draw_leg_mark(ax, leg, shift, short_number(route.robot), style, scale, taken)
 
 

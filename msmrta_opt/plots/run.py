@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from itertools import groupby
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -14,20 +12,21 @@ from matplotlib.patches import Patch, Rectangle
 from ..mission.counting import counted
 from ..mission.happened import What
 from ..mission.plan import Plan
-from ..mission.route import Route, Visit
-from ..mission.run import Run, Walked
+from ..mission.run import Run
 from .assignment import ring_handle
 from .canvas import is_large
 from .figure import POINTS_PER_INCH, Page
-from .gantt import gantt_height, plot_gantt, title_gantt
+from .gantt import cut_handle, gantt_height, plot_gantt, title_gantt
 from .key import Section, columns_below, draw_key, key_height
 from .legends import mark_handle
 from .lettering import as_written, fitted
 from .marks import Group, Mark, number_of, unserved_victims
 from .mission import MARGIN, WIDTH, strip
+from .moments import LANE, moment_handles
 from .style import FAINT, INK, TURNED_UP
 from .titles import name_of, says
 from .two_plans import Item, cost_of, draw_maps, maps_height, plans_key
+from .walked import walked
 
 TITLE = 0.75
 
@@ -49,16 +48,19 @@ def plot_run(run: Run) -> Figure:
     plans = [run.plan, walked(run)]
     titles = [f"planned: {says(run.plan)}", f"walked: {says(run)}"]
     costs = [cost_of(run.plan.metrics), cost_of(run.metrics)]
-    ends = [None, run.metrics.done_of]
     sections = plans_key(plans, unserved=False)
-    for title, handles in (("What was not served", _open(run)), ("What happened", _came(run))):
-        sections.append(Section(title, handles))
+    sections += [
+        Section("What was not served", _open(run)),
+        Section("What happened, on the map", _came(run)),
+        Section("What happened, on the timeline", [*moment_handles(run), *cut_handle(run)]),
+    ]
     inner = WIDTH - 2 * MARGIN
     maps = maps_height(plans, inner)
     columns = columns_below(sections, inner)
     key = key_height(sections, inner, columns) + 0.12
-    bars = gantt_height(run.plan.instance.n_robots)
-    page = Page(WIDTH, TITLE + maps + key + 2 * (bars + 0.8) + MARGIN)
+    planned = gantt_height(run.plan.instance.n_robots)
+    bars = (planned, planned + LANE / POINTS_PER_INCH)
+    page = Page(WIDTH, TITLE + maps + key + sum(bars) + 2 * 0.8 + MARGIN)
     room = inner * POINTS_PER_INCH
     page.write(
         MARGIN, 0.1, fitted(f"{name_of(run.plan.instance)}: {says(run)}", 12, room, bold=True), 12,
@@ -71,52 +73,14 @@ def plot_run(run: Run) -> Figure:
     _draw_cells(run, ax)
     draw_key(page, sections, MARGIN, TITLE + maps + 0.05, inner, columns)
     top, until = TITLE + maps + key, max(run.plan.metrics.makespan, run.metrics.makespan)
-    for title, plan, end in zip(titles, plans, ends, strict=True):
-        ax = page.place(MARGIN + 0.55, top + 0.35, inner - 0.65, bars)
-        plot_gantt(plan, ax, until=until, ends=end)
+    both: tuple[Plan | Run, ...] = (run.plan, run)
+    for title, told, height in zip(titles, both, bars, strict=True):
+        ax = page.place(MARGIN + 0.55, top + 0.35, inner - 0.65, height)
+        plot_gantt(told, ax, until=until)
         strip(ax, keep="x")
         title_gantt(ax, title)
-        top += bars + 0.8
+        top += height + 0.8
     return page
-
-
-def walked(run: Run) -> Plan:
-    """What was done, as a plan that pictures can draw: robots at the speeds that they had.
-
-    It keeps to no plan's rules: robots have waited, and served what they did not finish.
-    """
-    speeds = {drawn.robot: drawn.speed for drawn in run.world.speeds}
-    mission = run.plan.instance.replace(
-        victims=run.victims,
-        robots=[r.model_copy(update={"speed": speeds[r.id]}) for r in run.plan.instance.robots],
-    )
-    # Not a copy of the plan, which would have the plan's figures with it.
-    return Plan.model_construct(
-        instance=mission,
-        planner=run.policy,
-        routes=tuple(_route(run, track) for track in run.tracks),
-    )
-
-
-def _route(run: Run, track: Walked) -> Route:
-    own = sorted((s for s in run.services if s.robot == track.robot), key=lambda s: s.began)
-    visits, here = [], 0
-    for victim, found in groupby(own, key=lambda service: service.victim):
-        services = list(found)
-        there = bisect_right(track.times, services[0].began) - 1
-        visits.append(
-            Visit(
-                victim=victim,
-                served=tuple(service.kind for service in services if service.done),
-                stage=run.policy,
-                cells=track.cells[here : there + 1],
-                arrival=services[0].began,
-                departure=services[-1].ended,
-            )
-        )
-        here = there
-    rest = track.cells[here:]
-    return Route(robot=track.robot, visits=tuple(visits), back=rest if len(rest) > 1 else ())
 
 
 def _came_to(run: Run) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -30,16 +30,17 @@ COMPARED = ("n_served", "makespan", "total_time", "distance", "mean_completion")
 
 
 @as_written
-def plot_two_plans(before: Plan, after: Plan, *, ringed: Sequence[int] = ()) -> Figure:
+def plot_two_plans(before: Plan, after: Plan, *, moved: Collection[tuple[int, str]] = ()) -> Figure:
     """Draw the paths of two plans side by side, and their timelines on one axis.
 
     Parameters
     ----------
     before, after : Plan
         Robots of the same id have the same colour where both plans are for one mission.
-    ringed : sequence of int
-        Ids of the victims whom another robot serves: they and the walks to them keep their colours,
-        all else is grey. Without any, all is in colour.
+    moved : collection of (int, str)
+        Requirements, by victim's id and kind, that another robot serves, or only one of the plans:
+        they and the walks to them keep their colours, all else is grey. Without any, all is in
+        colour.
 
     Returns
     -------
@@ -47,11 +48,13 @@ def plot_two_plans(before: Plan, after: Plan, *, ringed: Sequence[int] = ()) -> 
         Not known to pyplot; `save_figure` writes it, a notebook shows it.
     """
     plans = (before, after)
-    moved = set(ringed)
-    faded = {v.id for p in plans for v in p.instance.victims} - moved if moved else set()
+    needed = {
+        (v.id, kind) for plan in plans for v in plan.instance.victims for kind in v.requirements
+    }
+    faded = needed - set(moved) if moved else set()
     sections = plans_key(plans)
     if moved:
-        grey = mark_handle("o", "the same robots in both plans", face=FADED)
+        grey = mark_handle("o", "served by the same robot in both plans", face=FADED)
         sections.append(Section("Differences", [grey]))
     inner = WIDTH - 2 * MARGIN
     maps = maps_height(plans, inner)

@@ -66,7 +66,7 @@ def test_a_plan_without_visits_has_the_same_columns(mission: Instance, plan: Pla
 def test_nothing_moves_between_a_plan_and_itself(plan: Plan) -> None:
     same = plan.diff(plan)
     assert same.moved == []
-    assert same.moved_victims == []
+    assert same.moved_requirements == []
     assert same.same_mission
     assert {row["difference"] for row in same.metrics} == {0}
     assert same.summary == "the plans serve the same alike"
@@ -88,7 +88,7 @@ def test_what_another_robot_serves_and_what_is_no_longer_served_is_told(plan: Pl
         (20, "A", "another time", 7, 1, 8.0, 7, 1, 4.0),
         (20, "B", "another robot", 7, 1, 8.0, 3, 2, 19.0),
     ]
-    assert found.moved_victims == [10, 20]
+    assert found.moved_requirements == [(10, "A"), (20, "B")]
     assert found.summary == (
         "3 requirements moved: another robot 1, another time 1, no longer served 1"
     )

@@ -103,7 +103,10 @@ PANELS = ("Scouting", "Assignment", "Paths")
 def test_no_text_of_two_plans_side_by_side_lies_outside_or_on_another() -> None:
     plan = make_plan(Instance.read(PAPER))
     other = make_plan(plan.instance, planner="mrga")
-    assert illegible(plots.plot_two_plans(plan, other, ringed=[1, 5])) == []
+    assert (
+        illegible(plots.plot_two_plans(plan, other, moved=plan.diff(other).moved_requirements))
+        == []
+    )
 
 
 # Contrast, and robots apart without colour

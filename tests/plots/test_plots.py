@@ -23,8 +23,9 @@ from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan, Track
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.plots.figure import PictureAxes
+from msmrta_opt.plots.marks import served_groups
 from msmrta_opt.plots.scouting import first_seen
-from msmrta_opt.plots.style import MISSED
+from msmrta_opt.plots.style import FADED, MISSED, robot_styles
 from msmrta_opt.plots.titles import says
 
 PANELS: list[Callable[..., Axes]] = [
@@ -270,3 +271,47 @@ def test_letters_stay_letters_in_svg_and_truetype_in_pdf(planned: Plan, tmp_path
     pdf = (tmp_path / "plan.pdf").read_bytes()
     assert b"/FontFile2" in pdf
     assert b"/Type3" not in pdf
+
+
+def test_a_small_mission_on_a_large_map_has_marks_and_names_of_its_own() -> None:
+    wide = grid_from_rows(["." * 120] * 3)
+    plan = make_plan(generate_mission(wide, 2, 3, seed=1))
+    names = {text.get_text() for text in plots.plot_paths(plan).texts}
+    assert {f"{victim.id}" for victim in plan.instance.victims} <= names
+    assert {f"R{robot.id}" for robot in plan.instance.robots} <= names
+
+
+def test_what_stayed_with_its_robot_is_grey_requirement_by_requirement(planned: Plan) -> None:
+    route = next(r for r in planned.routes if any(len(v.served) > 1 for v in r.visits))
+    visit = next(v for v in route.visits if len(v.served) > 1)
+    stays = {(visit.victim, visit.served[0])}
+    own, grey = to_hex(robot_styles(planned.instance)[route.robot].colour), FADED.lower()
+    arcs = {
+        group.cell: {colour.lower() for *_, colour in group.arcs}
+        for group in served_groups(planned, stays)
+    }
+    cell = next(v.cell for v in planned.instance.victims if v.id == visit.victim)
+    assert {own, grey} <= arcs[cell]
+    bars = [
+        (box.x0, box.x1, to_hex(face))
+        for group in plots.plot_gantt(planned, faded=stays).collections
+        for path, face in zip(group.get_paths(), group.get_facecolor(), strict=False)
+        if (box := path.get_extents()).height > 0.5
+    ]
+    times = planned.instance.service_time
+    until = visit.arrival + times[visit.served[0]]
+    assert (visit.arrival, pytest.approx(until), grey) in bars
+    assert (pytest.approx(until), pytest.approx(visit.departure), own) in bars
+
+
+def test_a_bar_too_short_for_its_victims_number_has_it_beside_it() -> None:
+    document = Instance.read(Path(__file__).parents[2] / "instances" / "paper.json")
+    brief = dict.fromkeys(document.service_time, 0.5)
+    victims = [v.model_copy(update={"service_time": {}}) for v in document.victims]
+    plan = make_plan(document.replace(service_time=brief, victims=victims))
+    ax = plots.plot_gantt(plan)
+    shown = sorted(text.get_text() for text in ax.texts)
+    assert shown == sorted(f"v{v.victim}" for route in plan.routes for v in route.visits)
+    for row, route in enumerate(plan.routes):
+        places = [text.get_position()[0] for text in ax.texts if text.get_position()[1] == row]
+        assert not any(v.arrival < x < v.departure for x in places for v in route.visits)

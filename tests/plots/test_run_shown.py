@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from PIL import Image
 from support.browser import PROGRAM, WITHOUT, Browser
-from support.legible import illegible
+from support.legible import illegible, overlap, written
 from support.small_run import SCENARIO, small_plan, small_run
 
 from msmrta_opt.execution.execute import execute
 from msmrta_opt.mission.run import Decision, Event, Queue, Queued, Run
+from msmrta_opt.plots.canvas import plot_map
 from msmrta_opt.plots.replay import film
 from msmrta_opt.plots.replay.run_data import document_of_run
 from msmrta_opt.plots.replay.run_scene import RunScene, schedules
-from msmrta_opt.plots.run import walked
+from msmrta_opt.plots.walked import walked
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +93,46 @@ def test_the_picture_of_a_run_says_what_it_shows(run: Run) -> None:
     ):  # fmt: skip
         assert expected in said
     assert any(text.startswith("1 of 3 available requirements served") for text in said)
+
+
+def test_the_timeline_of_a_run_marks_what_came_in_between(decided: Run) -> None:
+    *_, timeline = decided.plot().axes
+    found = {
+        (line.get_marker(), round(line.get_xdata()[0], 6), line.get_ydata()[0] < -0.5)
+        for line in timeline.get_lines()
+        if line.get_marker() != "None"
+    }
+    # Robot 2, in its row, is lost at 2.5; above the rows victim 30 at 1.5, the blocked cell at 4.
+    assert found == {("X", 2.5, False), ("o", 1.5, True), ("s", 4.0, True)}
+    lines = [line.get_xdata()[0] for line in timeline.get_lines() if line.get_marker() == "None"]
+    assert lines == [2.5, 5.0]  # decided, and the makespan
+
+
+def test_a_service_that_was_cut_short_is_no_whole_bar_in_the_timeline() -> None:
+    run = execute(small_plan(), {"until": 4})  # robot 1 serves victim 10 from 3 on
+    cut = [
+        group
+        for group in run.plot().axes[-1].collections
+        if len(group.get_facecolor()) and to_hex(group.get_facecolor()[0]) == "#ffffff"
+    ]
+    assert [(box.x0, box.x1) for box in (path.get_extents() for path in cut[0].get_paths())] == [
+        (3, 4)
+    ]
+    said = {text.get_text() for text in run.plot().findobj(match=Text)}
+    assert "service cut short" in said
+
+
+def test_badges_of_robots_that_meet_in_a_film_lie_beside_each_other(run: Run) -> None:
+    figure = Figure(figsize=(6, 4), dpi=80)
+    axes = figure.subplots(2)
+    plot_map(run.plan.instance.map, axes[0])
+    scene = RunScene(run, *axes)
+    assert scene.named
+    looks = [("R1 lost", "black", "white"), ("R3", "red", "white"), ("R12", "red", "white")]
+    scene._badges(looks, [(0, 2), (0, 2), (0, 2.1)])
+    boxes = [box for said, box in written(figure) if said.startswith("R")]
+    assert len(boxes) == 3
+    assert not any(overlap(one, other) for one, other in combinations(boxes, 2))
 
 
 def test_rings_of_a_run_are_around_those_whom_it_did_not_serve(run: Run) -> None:

@@ -25,7 +25,7 @@ from ...mission.run import Run
 from ..canvas import panel_size, plot_map
 from ..gantt import plot_gantt
 from ..lettering import as_written, shortened
-from ..run import walked
+from ..walked import walked
 from .run_scene import RunScene
 from .scene import Moving, Scene
 
@@ -117,8 +117,7 @@ def _page(plans: Sequence[Plan | Run], labels: Sequence[str]) -> Figure:
     horizon = max(plan.metrics.makespan for plan in plans)
     for told, plan, label, (ground, timeline) in zip(plans, drawn, labels, axes.T, strict=True):
         plot_map(plan.instance.map, ground)
-        ends = told.metrics.done_of if isinstance(told, Run) else None
-        plot_gantt(plan, timeline, until=horizon, ends=ends)
+        plot_gantt(told, timeline, until=horizon)
         for panel in (ground, timeline):
             panel.set(title="", xlabel="", ylabel="")
             if (legend := panel.get_legend()) is not None:

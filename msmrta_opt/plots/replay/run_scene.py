@@ -10,8 +10,8 @@ from matplotlib.collections import PatchCollection
 from matplotlib.patches import Rectangle
 
 from ...mission.run import Run, Walked
-from ..run import walked
 from ..style import FADED, INK, robot_styles
+from ..walked import walked
 from .scene import Moving, Scene, Schedule, Service, wedge_of
 
 

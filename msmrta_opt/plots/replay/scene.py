@@ -19,6 +19,7 @@ from ...mission.instance import Victim
 from ...mission.plan import Plan
 from ...mission.visibility import FieldOfView
 from ..canvas import Scale
+from ..placing import apart
 from ..style import INK, MISSED, TURNED_UP, robot_styles
 
 Moving = list[tuple[Axes, Artist]]
@@ -26,6 +27,8 @@ Moving = list[tuple[Axes, Artist]]
 RECENT = 0.08
 """Share of the makespan after which the trails of large missions fade."""
 SEEN, UNSEEN = "#F5A623", "#8C93A0"
+FONT, BADGE = 7.5, 14.0
+"""Points of letters, and of a badge from top to bottom."""
 HALO = withStroke(linewidth=2, foreground="white")
 
 
@@ -150,7 +153,7 @@ class Scene:
         return [
             (self.ground, self.ground.imshow(tint, interpolation="none")),
             self._victims(found),
-            *(self._badge(f"S{x.scout}", *here, INK, "white") for x, here in places.items()),
+            *self._badges([(f"S{x.scout}", INK, "white") for x in places], [*places.values()]),
             self._say(f"{said}, {len(found)} of {mission.n_victims} victims found"),
         ]
 
@@ -193,7 +196,7 @@ class Scene:
     def _name(self, victim: Victim) -> Artist:
         row, col = victim.cell
         return self.ground.text(
-            col + self.radius, row - self.radius, f"v{victim.id}", fontsize=7.5,
+            col + self.radius, row - self.radius, f"v{victim.id}", fontsize=FONT,
             fontweight="bold", color=INK, path_effects=[HALO],
         )  # fmt: skip
 
@@ -251,16 +254,24 @@ class Scene:
             dots = self.ground.scatter(x, y, s=26, c=colours, edgecolors=INK, linewidths=0.6)
             return [(self.ground, dots)]
         cells = {victim.cell for victim in self.plan.instance.victims}
+        below = self.radius + 6 / self.scale.cell  # of the victim that it is at
+        at = [(y + (below if (y, x) in cells else 0.0), x) for x, y in places]
+        return self._badges(looks, at)
+
+    def _badges(
+        self, looks: Sequence[tuple[str, str, str]], at: Sequence[tuple[float, float]]
+    ) -> Moving:
+        """Badges at places ``(row, col)``, moved aside where one would lie on another."""
+        if not looks:
+            return []
+        sizes = np.array([(BADGE, 0.72 * FONT * len(name) + 7) for name, *_ in looks])
+        shape = self.plan.instance.map.shape
+        moved = np.array(at, dtype=np.float64)
+        if self.named:
+            moved = apart(moved, sizes / self.scale.cell, shape)
         return [
-            # Below the victim that it is at.
-            self._badge(
-                name,
-                y + (self.radius + 6 / self.scale.cell if (y, x) in cells else 0.0),
-                x,
-                face,
-                ink,
-            )
-            for (name, face, ink), (x, y) in zip(looks, places, strict=True)
+            self._badge(name, row, col, face, ink)
+            for (name, face, ink), (row, col) in zip(looks, moved.tolist(), strict=True)
         ]
 
     def _badge(self, name: str, row: float, col: float, face: str, ink: str) -> tuple[Axes, Artist]:
@@ -269,7 +280,7 @@ class Scene:
             return self.ground, dot
         box = {"boxstyle": "round,pad=0.2", "fc": face, "ec": "white", "lw": 0.8}
         return self.ground, self.ground.text(
-            col, row, name, ha="center", va="center", fontsize=7.5, fontweight="bold",
+            col, row, name, ha="center", va="center", fontsize=FONT, fontweight="bold",
             color=ink, bbox=box,
         )  # fmt: skip
 

@@ -56,6 +56,7 @@ function drawGantt(panel, scene) {
   pen.strokeStyle = scene.colours.sight;
   pen.lineWidth = 1.5;
   for (const decision of plan.run ? plan.run.decisions : []) upright(pen, time.x(decision.time), height - AXIS);
+  if (plan.run) drawMoments(pen, panel, time, height - AXIS + 3, scene.colours);
   pen.strokeStyle = faint;
   pen.setLineDash([4, 3]);
   upright(pen, time.x(plan.makespan), height - AXIS);
@@ -63,6 +64,16 @@ function drawGantt(panel, scene) {
   pen.strokeStyle = ink;
   pen.lineWidth = 2;
   upright(pen, time.x(scene.t), height - AXIS + 4);
+}
+
+/* Under the rows: when cells were blocked (full) or opened (a box), and victims turned up (a disc). */
+function drawMoments(pen, panel, time, y, { ink, sight }) {
+  for (const [at, , , opened] of panel.plan.run.changes) {
+    pen.strokeStyle = pen.fillStyle = ink;
+    pen.lineWidth = 1.2;
+    pen[opened ? "strokeRect" : "fillRect"](time.x(at) - 3, y - 3, 6, 6);
+  }
+  for (const victim of panel.plan.victims) if (victim.appears > 0) disc(pen, time.x(victim.appears), y, 3.5, sight);
 }
 
 function drawCoverage(panel, scene) {

@@ -80,14 +80,15 @@ function visitLines(plan, visit) {
     `${span(visit)}: ${names(plan, visit.kinds)}`,
     `decided by ${plan.stages[visit.stage].title}`,
     `${count(visit.path.length, "cell")} walked to it`,
-    ...(visit.cut ? ["cut short, for the robot was lost"] : []),
+    ...(visit.cut ? [`cut short, for ${visit.robot.lost === visit.departure ? "the robot was lost" : "the run ended"}`] : []),
   ];
 }
 
 function eventSaid(plan, event) {
   if (event.text) return event.text;
   const { visit } = event, who = `R${visit.robot.id}`, victim = `v${plan.victims[visit.victim].id}`;
-  if (event.done && visit.cut) return `${who} is lost while it serves ${victim}`;
+  if (event.done && visit.cut) return visit.robot.lost === visit.departure
+    ? `${who} is lost while it serves ${victim}` : `${who} still serves ${victim} when the run ends`;
   return event.done ? `${who} has served ${names(plan, visit.kinds)} at ${victim}` : `${who} reaches ${victim}`;
 }
 
