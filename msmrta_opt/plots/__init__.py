@@ -6,7 +6,8 @@ the caller alone: pyplot does not know them, no global setting changes, no displ
 notebook, what these functions return shows itself as the last value of a cell.
 
 Panels: `scouting` and `coverage`, `assignment`, `paths`, `gantt`, and `mission` with all of them and a
-`key`; `two_plans` beside each other, a `run` beside its plan; `floor` is what a map was made of.
+`key`; `two_plans` beside each other, a `run`, as it was `walked`, beside its plan, with the `moments`
+at which something came in between; `floor` is what a map was made of.
 Charts: `convergence`, `workload`. On a map, a `canvas`, stand `marks` that `placing` keeps apart,
 `walks` and `clusters`, or the `overview` of a large mission. What all share: `figure`, `legends`,
 `titles`, `lettering` (any name as it is written), `style` (what stands for what), `saving`. Not a
