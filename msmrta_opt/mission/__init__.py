@@ -1,7 +1,7 @@
 """What is planned, and what a plan is; imports nothing else of ours.
 
 `errors` (with `suggestions` of what was meant) and `files` first: what is raised, and how files are
-read and written. Then `grid`, whose distances and walks are found by `search` (compiled in
+read and written. Then `grid`, whose distances and walks are found by `search` (compiled in `a_star` and
 `breadth_first`), `visibility` (what is in sight of a cell), `maps` (their files), `named_maps` (those
 that come along), `layouts` (those that are made up). A floor in pixels (`occupancy`, `ros_map`) becomes
 a grid by `coarsening`, and its `frame` is its place in the world; `map_files` reads all. `instance`,

@@ -1,4 +1,4 @@
-"""Breadth-first search on a grid, compiled: distances, walks, and connected components.
+"""Breadth-first search on a grid, compiled: distances, nearest cells, connected components.
 
 A map is a flat array of cells, row by row, with a blocked row above and below, and a blocked column to
 the right, which is also to the left of the next row: so the four neighbours of a cell are always there,
@@ -18,13 +18,13 @@ UNSEEN, BLOCKED = -1, -2
 
 @inlined
 def _search(
-    distance: Int32s, width: int, queue: Int32s, head: int, tail: int, goal: int
+    distance: Int32s, width: int, queue: Int32s, head: int, tail: int, goal: int, move: int = 1
 ) -> tuple[int, int]:
     """Go on until `goal` is seen or the search is at its end; the new ends of the queue."""
     while head < tail and distance[goal] == UNSEEN:
         cell = queue[head]
         head += 1
-        there = distance[cell] + 1
+        there = distance[cell] + move
         for near in (cell - width, cell + width, cell - 1, cell + 1):
             # No branch: whether a cell is new cannot be foretold, and to guess wrong takes longer.
             known = distance[near]
@@ -88,39 +88,23 @@ def lengths(cells: Int32s, width: int, starts: Ints, goals: Ints) -> Int32s:
     return found
 
 
-@kernel("Tuple((int32[::1], int64[::1]))(int32[::1], int64, int64[::1], int64[::1])")
-def walks(cells: Int32s, width: int, starts: Ints, goals: Ints) -> tuple[Int32s, Ints]:
-    """Shortest walks: their cells, one walk after the other, and where each ends among them.
+@kernel("int32[::1](int32[::1], int64, int64[::1], int64[::1])")
+def nearest(cells: Int32s, width: int, sources: Ints, targets: Ints) -> Int32s:
+    """Which source is nearest to each target, ``(n_targets,)``, the first of several; negative if none.
 
-    A walk goes down the distances from its goal, and of several ways takes the first: up, down, left,
-    right. A walk that there is not has no cells.
+    One search from all sources: where they come first in the queue, so do they all the way.
     """
-    walked, size = np.empty(1024, np.int32), 0
-    ends = np.empty(len(starts), np.int64)
-    distance, queue, head, tail = cells.copy(), np.empty(len(cells) + 1, np.int32), 0, 0
-    for i in range(len(starts)):
-        if i == 0 or goals[i] != goals[i - 1]:
-            head, tail = _begin(distance, queue, tail, goals[i])
-        cell = starts[i]
-        head, tail = _search(distance, width, queue, head, tail, cell)
-        left = distance[cell]
-        if size + left + 1 > len(walked):
-            longer = np.empty(2 * (size + left + 1), np.int32)
-            longer[:size] = walked[:size]
-            walked = longer
-        if left >= 0:
-            walked[size] = cell
-            size += 1
-        while left > 0:
-            left -= 1
-            for near in (cell - width, cell + width, cell - 1, cell + 1):
-                if distance[near] == left:
-                    cell = near
-                    break
-            walked[size] = cell
-            size += 1
-        ends[i] = size
-    return walked[:size].copy(), ends
+    found = np.empty(len(targets), np.int32)
+    owner, queue, head, tail = cells.copy(), np.empty(len(cells) + 1, np.int32), 0, 0
+    for s in range(len(sources)):
+        if owner[sources[s]] == UNSEEN:
+            owner[sources[s]] = s
+            queue[tail] = sources[s]
+            tail += 1
+    for t in range(len(targets)):
+        head, tail = _search(owner, width, queue, head, tail, targets[t], 0)
+        found[t] = owner[targets[t]]
+    return found
 
 
 @kernel("int32[::1](int32[::1], int64)")

@@ -1,7 +1,7 @@
 """The grid world: free cells, walking distances, and the cells of a walk.
 
 Moves are 4-connected and cost 1. A cell is ``(row, col)``, 0-based from the upper left. Distances come
-from one breadth-first search per source, as far as it is needed (`search`); so do the cells of walks.
+from one breadth-first search per source, as far as it is needed, the cells of walks from A* (`search`).
 """
 
 from __future__ import annotations
@@ -174,6 +174,13 @@ class GridMap:
     def lengths(self, starts: Cells, goals: Cells) -> Floats:
         """Walking distance in cells from each start to its goal, ``(n_walks,)``."""
         return _distances(self.search.lengths(starts, goals))
+
+    def nearest(self, sources: Cells, targets: Cells) -> Int32s:
+        """Position of the source that is nearest to each target, ``(n_targets,)``; negative if none.
+
+        Ties go to the first.
+        """
+        return self.search.nearest(sources, targets)
 
 
 def _distances(whole: Int32s) -> Floats:

@@ -1,4 +1,4 @@
-"""Distances, walks and components of a map: by compiled breadth-first search, or without numba by scipy.
+"""Distances, walks and components of a map: by compiled searches, or without numba by scipy.
 
 Both engines give the same. Distances are whole numbers of moves, negative where no walk leads.
 """
@@ -45,11 +45,13 @@ class Search(Protocol):
         Walks that follow each other and have the same start take one search.
         """
 
+    def nearest(self, sources: Cells, targets: Cells) -> Int32s:
+        """Which source is nearest to each target, the first of several, ``(n_targets,)``."""
+
     def walks(self, starts: Cells, goals: Cells) -> list[list[Cell]]:
         """The cells of a shortest walk from each start to its goal, none where there is none.
 
         Of several next cells that are nearest to the goal the first is taken: up, down, left, right.
-        Walks that follow each other and have the same goal take one search.
         """
 
     def components(self) -> Int32s:
@@ -65,12 +67,12 @@ def search(free: Bools, *, compiled: bool = True) -> Search:
 
 
 class _Compiled:
-    """The functions of `breadth_first`, whose arrays have a blocked border."""
+    """The functions of `breadth_first` and `a_star`, whose arrays have a blocked border."""
 
     def __init__(self, free: Bools) -> None:
-        from . import breadth_first
+        from . import a_star, breadth_first
 
-        self.kernels = breadth_first
+        self.kernels, self.walker = breadth_first, a_star
         self.n_rows, n_cols = free.shape
         self.width = n_cols + 1
         flat = np.full((self.n_rows + 2) * self.width + 1, breadth_first.BLOCKED, np.int32)
@@ -99,9 +101,13 @@ class _Compiled:
     def lengths(self, starts: Cells, goals: Cells) -> Int32s:
         return self.kernels.lengths(self.cells, self.width, self.index(starts), self.index(goals))
 
+    def nearest(self, sources: Cells, targets: Cells) -> Int32s:
+        ends = self.index(sources), self.index(targets)
+        return self.kernels.nearest(self.cells, self.width, *ends)
+
     def walks(self, starts: Cells, goals: Cells) -> list[list[Cell]]:
         ends = self.index(starts), self.index(goals)
-        walked, last = self.kernels.walks(self.cells, self.width, *ends)
+        walked, last = self.walker.walks(self.cells, self.width, *ends)
         rows, cols = np.divmod(walked, self.width)
         cells = list(zip((rows - 1).tolist(), cols.tolist(), strict=True))
         bounds = [0, *last.tolist()]
@@ -157,6 +163,13 @@ class _WithoutNumba:
             for start, group in groupby(_pairs(starts, goals), key=lambda pair: pair[0])
         ]
         return np.concatenate([np.empty(0, np.int32), *found])
+
+    def nearest(self, sources: Cells, targets: Cells) -> Int32s:
+        found = self.between(sources, targets)
+        if not len(found):
+            return np.full(found.shape[1], NONE, np.int32)
+        first = np.where(found < 0, np.iinfo(np.int32).max, found).argmin(axis=0).astype(np.int32)
+        return np.where((found < 0).all(axis=0), np.int32(NONE), first)
 
     def walks(self, starts: Cells, goals: Cells) -> list[list[Cell]]:
         found = []

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mission.grid import Cell
 from .cluster_assignment import kinds
 from .options import StagedOptions
 from .requirement_analysis import RequirementAnalysis
@@ -41,39 +42,55 @@ def robot_assignment(
         ``award``: whether all bids are in before any award, or the winner's queue, and so its next
         bid, is updated after each.
     """
-    cells = situation.cells
-    ends, _ = situation.after(stops)
-    bids = situation.distances.between(ends, cells)
-    victims = np.flatnonzero(remaining.any(axis=1)).tolist()
-    sealed = _winners(bids, situation.able) if options.award == "sealed" else None
+    cells, (ends, _) = situation.cells, situation.after(stops)
+    sealed = _lowest_bids(situation, ends, remaining) if options.award == "sealed" else None
+    bids = situation.distances.between(ends, cells) if sealed is None else None
     awarded: list[Stop] = []
-    for v in victims:
+    for v in np.flatnonzero(remaining.any(axis=1)).tolist():
         announced = kinds(remaining[v])
-        offers = bids[:, v].copy()
+        if sealed is not None:
+            winners = sealed[v, list(announced)].tolist()
+        elif bids is not None:
+            winners = _in_turn(bids[:, v], situation.able[:, v], announced)
         won: dict[int, list[int]] = {}
-        for k in announced:
-            if sealed is None:
-                robot = int(
-                    _winners(offers[:, None], situation.able[:, v : v + 1, k : k + 1])[0, 0]
-                )
-                offers[robot] = 0.0
-            else:
-                robot = int(sealed[v, k])
+        for k, robot in zip(announced, winners, strict=True):
             won.setdefault(robot, []).append(k)
         # The nearest robot that fully satisfies a victim wins every kind of it that it wins at all,
         # so there is at most one such winner.
         for robot in [robot for robot in won if analysis.full[robot, v]]:
             won = {robot: list(announced)}
-        if sealed is None:
-            field = situation.distances.between([cells[v]], cells)[0]
-            bids[list(won)] = field
+        if bids is not None:
+            bids[list(won)] = situation.distances.between([cells[v]], cells)[0]
         awarded.extend(Stop(robot, cells[v], STAGE, v, tuple(own)) for robot, own in won.items())
     return awarded
 
 
-def _winners(bids: NDArray[np.float64], potential: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """The potential robot with the lowest bid for each requirement, ties to the first.
+def _lowest_bids(
+    situation: Situation, ends: Sequence[Cell], remaining: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """The robot that has each kind and is nearest to each victim, ``(n_victims, n_kinds)``.
 
-    `bids` are of shape ``(n_robots, n_victims)``, `potential` of ``(n_robots, n_victims, n_kinds)``.
+    Only where they are `remaining`; ties go to the first robot.
     """
-    return np.asarray(np.where(potential, bids[:, :, None], np.inf).argmin(axis=0))
+    instance, places = situation.instance, np.array(ends).reshape(-1, 2)
+    cells = np.array(situation.cells).reshape(-1, 2)
+    winner = np.full(remaining.shape, -1)
+    for k in range(remaining.shape[1]):
+        robots, victims = np.flatnonzero(instance.P[:, k]), np.flatnonzero(remaining[:, k])
+        if victims.size:
+            winner[victims, k] = robots[instance.map.nearest(places[robots], cells[victims])]
+    return winner
+
+
+def _in_turn(
+    bids: NDArray[np.float64], able: NDArray[np.bool_], announced: Sequence[int]
+) -> list[int]:
+    """Who wins each kind of a victim, when whoever has won one is there already.
+
+    `bids` are of shape ``(n_robots,)``, `able` is of ``(n_robots, n_kinds)``; ties go to the first robot.
+    """
+    offers, winners = bids.copy(), []
+    for k in announced:
+        winners.append(int(np.where(able[:, k], offers, np.inf).argmin()))
+        offers[winners[-1]] = 0.0
+    return winners

@@ -55,6 +55,7 @@ def test_both_engines_find_the_same(grid: GridMap, data: st.DataObject) -> None:
         "fields": (sources,),
         "between": (sources, targets),
         "lengths": (starts, goals),
+        "nearest": (sources, targets),
         "components": (),
     }.items():
         found, again = (getattr(engine, name)(*given_cells) for engine in (one, other))
@@ -74,6 +75,7 @@ def test_both_engines_find_the_same_on_large_maps(grid: GridMap) -> None:
     one, other = engines(grid)
     np.testing.assert_array_equal(one.between(starts, goals), other.between(starts, goals))
     np.testing.assert_array_equal(one.lengths(starts, goals), other.lengths(starts, goals))
+    np.testing.assert_array_equal(one.nearest(starts[:9], goals), other.nearest(starts[:9], goals))
     assert one.walks(starts, goals) == other.walks(starts, goals)
 
 
@@ -114,6 +116,22 @@ def test_walks_are_shortest_and_go_the_first_way_that_leads_to_the_goal(
         for (row, col), after in pairwise(walk):
             around = [(row - 1, col), (row + 1, col), (row, col - 1), (row, col + 1)]
             assert after == next(c for c in around if left.get(c) == left[row, col] - 1)
+
+
+@given(grid=grids(), compiled=st.booleans(), data=st.data())
+def test_the_nearest_of_several_is_the_first_that_has_the_least_way(
+    grid: GridMap, compiled: bool, breadth_first: Distances, data: st.DataObject
+) -> None:
+    cells = free_cells(grid)
+    sources = data.draw(st.lists(st.sampled_from(cells), max_size=6)) if cells else []
+    found = search(grid.free, compiled=compiled).nearest(sources, cells)
+    for cell, nearest in zip(cells, found.tolist(), strict=True):
+        way = breadth_first(grid, cell)
+        reached = [i for i, source in enumerate(sources) if source in way]
+        if reached:
+            assert nearest == min(reached, key=lambda i: (way[sources[i]], i))
+        else:
+            assert nearest < 0
 
 
 def test_of_two_ways_down_comes_before_right(compiled: bool) -> None:

@@ -119,6 +119,7 @@ def _walk_a_step() -> None:
     grid.between([here], [there])
     grid.lengths([here], [there])
     grid.walks([here], [there])
+    grid.nearest([here], [there])
     grid.search.components()
 
 
