@@ -1,7 +1,7 @@
 """The independent plan checker.
 
-It shares no code with the planners: reachability comes from its own flood fill, availability, moves,
-times, clusters and what scouts see are worked out again from the instance alone.
+It shares no code with the planners: what is joined on the map, availability, moves, times, clusters and
+what scouts see are worked out again from the instance alone.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How far cells are apart, and which are joined at all: by flood fill, for the checks alone."""
+"""How far cells are apart, and which are joined at all: for the checks alone."""
 
 from __future__ import annotations
 
@@ -90,22 +90,24 @@ def are_legal(grid: GridMap, walks: Sequence[Sequence[Cell]]) -> bool:
 
 
 def components(grid: GridMap) -> Ints:
-    """The number of each cell's connected component, from 1 on, and 0 in walls, ``(n_rows, n_cols)``."""
-    walled = np.pad(grid.free, 1)
-    width = walled.shape[1]
-    label = (walled.astype(np.int64) - 1).ravel().tolist()  # 0 where it is open, -1 in walls
-    n = 0
-    for first in np.flatnonzero(walled).tolist():
-        if label[first]:
-            continue
-        n += 1
-        label[first] = n
-        border = [first]
-        while border:
-            here = border.pop()
-            for cell in (here + 1, here - 1, here + width, here - width):
-                if label[cell] == 0:
-                    label[cell] = n
-                    border.append(cell)
-    inside = np.array(label).reshape(walled.shape)[1:-1, 1:-1]
-    return np.asarray(np.maximum(inside, 0))
+    """The number of each cell's connected component, from 1 on, and 0 in walls, ``(n_rows, n_cols)``.
+
+    Free cells beside each other in a row are a run. Runs that touch take the number of the lower one,
+    again and again, until all that touch have the same.
+    """
+    free = grid.free
+    begins = free.copy()
+    begins[:, 1:] &= ~free[:, :-1]
+    run = np.cumsum(begins).reshape(free.shape)
+    touch = free[1:] & free[:-1]
+    touch[:, 1:] &= begins[1:, 1:] | begins[:-1, 1:]  # once is enough
+    above, below = run[:-1][touch], run[1:][touch]
+    label = np.arange(run[-1, -1] + 1)
+    while (apart := label[above] != label[below]).any():
+        above, below = above[apart], below[apart]
+        pair = label[above], label[below]
+        np.minimum.at(label, np.maximum(*pair), np.minimum(*pair))
+        while (label[label] != label).any():
+            label = label[label]
+    _, number = np.unique(label, return_inverse=True)  # what stands before the first run is 0
+    return np.asarray(np.where(free, number[run], 0))

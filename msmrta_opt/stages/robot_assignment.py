@@ -87,7 +87,7 @@ def _in_turn(
 ) -> list[int]:
     """Who wins each kind of a victim, when whoever has won one is there already.
 
-    `bids` are of shape ``(n_robots,)``, `able` is of ``(n_robots, n_kinds)``; ties go to the first robot.
+    `bids` are of shape ``(n_robots,)``, `able` is of ``(n_robots, n_kinds)``; ties go to the first.
     """
     offers, winners = bids.copy(), []
     for k in announced:

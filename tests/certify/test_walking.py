@@ -1,11 +1,11 @@
-"""Walks as short as without walls, against flood fill."""
+"""Walks as short as without walls, and connected components, against flood fill."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from msmrta_opt.certify.walking import StraightWalks, steps_from
+from msmrta_opt.certify.walking import StraightWalks, components, steps_from
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.maps import grid_from_rows
 
@@ -26,3 +26,18 @@ def test_straight_walks_are_those_whose_steps_are_no_more_than_without_walls(see
         steps = steps_from(grid, start)
         near = {c for c in free if steps.get(c) == abs(c[0] - start[0]) + abs(c[1] - start[1])}
         assert straight.from_cell(start, free) == near
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.6, 0.7, 1.0])
+def test_cells_have_one_number_if_flood_fill_joins_them_from_1_on_by_first_cells(
+    share: float,
+) -> None:
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        grid = GridMap(random.random(random.integers(1, 20, 2)) < share)
+        expected, n = np.zeros(grid.shape, np.int64), 0
+        for row, col in np.argwhere(grid.free).tolist():
+            if not expected[row, col]:
+                n += 1
+                expected[tuple(zip(*steps_from(grid, (row, col)), strict=True))] = n
+        np.testing.assert_array_equal(components(grid), expected)
