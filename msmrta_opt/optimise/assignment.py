@@ -8,6 +8,7 @@ whether they prove the optimum is then for `check.dual_bound` to say, not for th
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -17,14 +18,12 @@ from .structure import Structure
 
 
 @dataclass(frozen=True, eq=False)
-class _Assignment:
-    """A recognised program as a cost table: each row of it one of the smaller side's rows.
+class _Table:
+    """A recognised program as a table, whatever its costs: rows for those of the smaller side."""
 
-    ``cost`` is a minimisation's, ``inf`` where there is no column; ``column`` the program's column.
-    """
-
-    cost: Floats
-    column: Ints
+    shape: tuple[int, int]
+    place: tuple[Ints, Ints]
+    """The row and the column of the table of each of the core's columns."""
     small_rows: Ints
     large_rows: Ints
     cardinality_row: int | None
@@ -44,20 +43,28 @@ def solve_assignment(program: Program, structure: Structure) -> tuple[Floats, Fl
     ``None`` where the program is another one than this method handles (it then goes to the linear
     program), or has no feasible point.
     """
-    table = _read(program, structure)
+    table = _table(structure)
     if table is None:
         return None
-    matched = _match(table)
+    weights = program.sign * program.cost[structure.core.columns]
+    cost = np.full(table.shape, np.inf)
+    np.minimum.at(cost, table.place, weights)
+    matched = _match(cost, every_row=table.every_small_row)
     if matched is None:
         return None
     picked, u, v = matched
+    # Of several columns for one pair a cheapest stands for all.
+    row, column = table.place
+    chosen = np.flatnonzero((picked[row] == column) & (weights == cost[table.place]))
+    own = np.zeros(len(picked), dtype=np.int64)
+    own[row[chosen]] = structure.core.columns[chosen]
     x = structure.core.fixed.copy()
-    taken = picked >= 0
-    x[table.column[np.flatnonzero(taken), picked[taken]]] = 1.0
+    x[own[picked >= 0]] = 1.0
     return x, _duals(program, table, u, v)
 
 
-def _read(program: Program, structure: Structure) -> _Assignment | None:
+@lru_cache(maxsize=4)
+def _table(structure: Structure) -> _Table | None:
     core, side, pairs = structure.core, structure.side, structure.pairs
     if side is None or pairs is None or not _is_binary(core.lower, core.upper):
         return None
@@ -86,17 +93,9 @@ def _read(program: Program, structure: Structure) -> _Assignment | None:
         return None
     place = np.empty(len(side), dtype=np.int64)
     place[small], place[large] = np.arange(len(small)), np.arange(len(large))
-    row, col = place[pairs[:, small_kind]], place[pairs[:, 1 - small_kind]]
-    cost = np.full((len(small), len(large)), np.inf)
-    column = np.full((len(small), len(large)), -1, dtype=np.int64)
-    # Of several columns for one pair a cheapest stands for all.
-    weights = program.sign * program.cost[core.columns]
-    np.minimum.at(cost, (row, col), weights)
-    cheapest = weights == cost[row, col]
-    column[row[cheapest], col[cheapest]] = core.columns[cheapest]
-    return _Assignment(
-        cost,
-        column,
+    return _Table(
+        (len(small), len(large)),
+        (place[pairs[:, small_kind]], place[pairs[:, 1 - small_kind]]),
         core.rows[small],
         core.rows[large],
         None if cardinality_row is None else int(core.rows[cardinality_row]),
@@ -108,13 +107,15 @@ def _is_binary(lower: Floats, upper: Floats) -> bool:
     return bool(np.all(lower == 0) and np.all(upper == 1))
 
 
-def _match(table: _Assignment) -> tuple[Ints, Floats, Floats] | None:
-    """The matching (place on the larger side, or -1), and potentials of both sides."""
+def _match(cost: Floats, *, every_row: bool) -> tuple[Ints, Floats, Floats] | None:
+    """The matching (the column of each row, or -1), and potentials of rows and columns.
+
+    ``cost`` is a minimisation's, ``inf`` where there is no pair, of shape ``(n_small, n_large)``.
+    """
     from scipy.optimize import linear_sum_assignment
 
-    n_small, n_large = table.cost.shape
-    cost = table.cost
-    if not table.every_small_row:
+    n_small, n_large = cost.shape
+    if not every_row:
         # A row that may stay unmatched takes a place of its own at no cost.
         cost = np.hstack([cost, np.zeros((n_small, n_small))])
     if cost.shape[0] > cost.shape[1]:
@@ -148,7 +149,7 @@ def _potentials(cost: Floats, picked: Ints) -> tuple[Floats, Floats]:
     return own - distance, v
 
 
-def _duals(program: Program, table: _Assignment, u: Floats, v: Floats) -> Floats:
+def _duals(program: Program, table: _Table, u: Floats, v: Floats) -> Floats:
     duals = np.zeros(program.n_rows)
     if table.cardinality_row is not None:
         # The rows of the smaller side are at most one each; the cardinality row carries the rest.

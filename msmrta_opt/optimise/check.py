@@ -294,19 +294,26 @@ def dual_bound(program: Program, duals: Floats) -> float:
         For a minimisation of ``sign * cost``: positive duals lean on ``row_lower``, negative ones
         on ``row_upper``.
     """
-    rounding = 1e-9 * float(np.abs(program.cost).max(initial=0.0))
+    matrix, sizes = program.matrix, np.abs(program.cost)
+    rounding = 1e-9 * float(sizes.max(initial=0.0))
     duals, of_rows = _leaning(duals, program.row_lower, program.row_upper, rounding)
-    reduced = program.sign * program.cost - program.matrix.T @ duals
+    # By numpy alone: most programs are so small that sparse matrices' own bookkeeping would prevail.
+    terms = matrix.data * np.repeat(duals, np.diff(matrix.indptr))
+    reduced = program.sign * program.cost - _by_column(program, terms)
     left, of_columns = _leaning(reduced, program.lower, program.upper, rounding)
     minimum = of_rows + of_columns
-    parts = np.abs(program.cost) + np.abs(program.matrix).T @ np.abs(duals)
-    parts = np.where(left == 0, 0.0, parts)
+    parts = np.where(left == 0, 0.0, sizes + _by_column(program, np.abs(terms)))
     size = parts @ _largest_end(program.lower, program.upper)
     size += np.abs(duals) @ _largest_end(program.row_lower, program.row_upper)
     error = PRECISION * float(size)
     if error > TIGHT * abs(minimum):
         minimum -= error
     return program.sign * minimum + program.offset
+
+
+def _by_column(program: Program, entries: Floats) -> Floats:
+    """The sum of `entries` of the matrix in each column."""
+    return np.asarray(np.bincount(program.matrix.indices, entries, program.n_columns), float)
 
 
 def _largest_end(lower: Floats, upper: Floats) -> Floats:
@@ -321,6 +328,8 @@ def _leaning(weight: Floats, lower: Floats, upper: Floats, rounding: float) -> t
     That is the minimum of ``weight @ z`` over ``lower ≤ z ≤ upper``.
     """
     side = np.where(weight > 0, lower, upper)
+    if np.isfinite(side).all():
+        return weight, float(weight @ side)
     weight = np.where(np.isinf(side) & (np.abs(weight) <= rounding), 0.0, weight)
     leans = weight != 0
-    return weight, float(np.sum(weight[leans] * side[leans]))
+    return weight, float(weight[leans] @ side[leans])

@@ -17,7 +17,7 @@ def contradiction(program: Program) -> str:
 
     Solvers differ in what they make of these.
     """
-    empty = np.flatnonzero(np.diff(program.matrix.tocsr().indptr) == 0)
+    empty = np.flatnonzero(np.diff(program.matrix.indptr) == 0)
     asks = np.maximum(program.row_lower[empty], -program.row_upper[empty]) > ROUNDING
     for i in empty[asks]:
         return f"row '{program.row_name(int(i))}' holds no variable and is not satisfied"
@@ -30,4 +30,7 @@ def contradiction(program: Program) -> str:
 
 def _cross(lower: Floats, upper: Floats) -> Bools:
     """Where sides cross by more than rounding."""
-    return np.asarray(lower > upper + TOLERANCE * (1.0 + np.abs(upper)))
+    cross = lower > upper
+    if cross.any():
+        cross &= lower > upper + TOLERANCE * (1.0 + np.abs(upper))
+    return cross

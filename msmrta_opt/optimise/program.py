@@ -147,10 +147,10 @@ class Program:
 
         Solvers are not to be relied on for this: HiGHS' presolve is known to go wrong without it.
         """
+        if all((side == np.rint(side))[self.integer].all() for side in (self.lower, self.upper)):
+            return self
         lower = np.where(self.integer, np.ceil(self.lower - 1e-9), self.lower)
         upper = np.where(self.integer, np.floor(self.upper + 1e-9), self.upper)
-        if np.array_equal(lower, self.lower) and np.array_equal(upper, self.upper):
-            return self
         return replace(self, lower=lower, upper=upper)
 
     def with_tight_coefficients(self) -> Program:

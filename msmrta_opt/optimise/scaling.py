@@ -48,14 +48,16 @@ def scaling(program: Program) -> Scaling:
         row, column = _equilibrated(program)
     cost = np.abs(program.cost) * column
     largest = float(cost.max(initial=0.0))
-    whole = bool(
-        largest <= USUAL_COST[1]
-        and program.integer[cost > 0].all()
-        and (program.cost == np.round(program.cost)).all()
-    )
-    if largest == 0 or whole or USUAL_COST[0] <= largest <= USUAL_COST[1]:
+    is_usual = largest == 0 or USUAL_COST[0] <= largest <= USUAL_COST[1]
+    if is_usual or (largest <= USUAL_COST[1] and _has_whole_costs(program)):
         return Scaling(row, column, 1.0)
     return Scaling(row, column, float(2.0 ** (10 - np.floor(np.log2(largest)))))
+
+
+def _has_whole_costs(program: Program) -> bool:
+    """Whether the objective is whole: whole costs, of whole columns alone."""
+    cost = program.cost
+    return bool(program.integer[cost != 0].all() and (cost == np.round(cost)).all())
 
 
 def _equilibrated(program: Program) -> tuple[Floats, Floats]:

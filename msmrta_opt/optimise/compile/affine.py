@@ -123,6 +123,8 @@ class _Sums:
         """The sums at all places; `weights` are the values of the parameters, and a 1."""
         values = numbers[self._chosen] * weights[self._parameter]
         sums = np.asarray(np.bincount(self._place, values, self._n_places), float)
+        if values.min(initial=0.0) >= 0 or values.max(initial=0.0) <= 0:
+            return sums
         sizes = np.bincount(self._place, np.abs(values), self._n_places)
         # What is left of terms that cancel is no coefficient, but their rounding.
         sums[(np.abs(sums) <= CANCELLED * sizes) & np.isfinite(sizes)] = 0.0

@@ -56,10 +56,16 @@ def _by_cvxpy_alone(_: Sequence[Floats]) -> Floats:
 
 
 def is_constant(node: cp.Expression) -> bool:
-    """Whether the value of `node` stands for it: a constant, as far as its own atom says nothing."""
-    if isinstance(node, Leaf):
+    """Whether the value of `node` stands for it: of constants alone, and what is made of them here."""
+    if not node.args:
         return isinstance(node, cp.Constant)
-    return not isinstance(node, PASSING) and node.is_constant() and not node.parameters()
+    return type(node) not in PASSING and all(map(_has_constants_alone, node.args))
+
+
+def _has_constants_alone(node: cp.Expression) -> bool:
+    if not node.args:
+        return isinstance(node, cp.Constant)
+    return all(map(_has_constants_alone, node.args))
 
 
 def flat(node: cp.Expression) -> Floats:

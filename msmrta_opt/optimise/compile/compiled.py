@@ -90,13 +90,8 @@ class Compiled:
             is_whole = parameter.attributes["integer"] or parameter.attributes["boolean"]
             if is_whole and not values[name].is_integer():
                 raise InputError(f"{values[name]:g}; give a value that is integer", field=name)
-            try:
-                parameter.value = values[name]
-            except ValueError as error:  # it is declared as a whole number, or with a sign
-                said = str(error).removeprefix("Parameter value must be ").rstrip(".")
-                raise InputError(
-                    f"{values[name]:g}; give a value that is {said}", field=name
-                ) from None
+            # Sign and bounds allow both ends of its range (`set_defaults`): cvxpy need not look again.
+            parameter.save_value(values[name])
         canonical = self._canonical
         cost, offset, matrix, right, lower, upper = canonical.numbers()
         is_equation = np.arange(len(right)) < canonical.n_equations

@@ -49,11 +49,11 @@ class Making:
                 self.constants.append(flat(node))
             return "constant", place, node.shape
         kind = type(node)
-        if issubclass(kind, Leaf):
+        if kind in MADE_OF:
+            return kind, node.shape, _plain(node.get_data()), *map(self._of, node.args)
+        if isinstance(node, Leaf):
             return self._leaves[node.id]
-        if kind not in MADE_OF:
-            raise _NotKnownError
-        return kind, node.shape, _plain(node.get_data()), *map(self._of, node.args)
+        raise _NotKnownError
 
 
 def _attributes(leaf: cp.Variable | cp.Parameter) -> Hashable:
