@@ -26,11 +26,10 @@ from ..arrays import Bools, Ints
 from ..interruption import interrupted, interruptible
 from ..optimise.check import (
     LARGEST_EXACT,
+    Point,
     is_badly_scaled,
     kinds_of_rows,
     proves_infeasible,
-    settled,
-    violations,
 )
 from ..optimise.program import Program
 from ..optimise.scaling import scaled, scaling
@@ -45,7 +44,8 @@ NODES_OF_FREE_INTEGERS = 20_000
 """The same for the whole program, if it has integers without bounds. Where they do not suffice, it is
 not known whether it is infeasible."""
 TINY = 1e-9
-"""Share of its terms up to which a multiplier, or what multipliers leave of a column, is rounding."""
+"""Share of its terms up to which a multiplier, what multipliers leave of a column, or what a row misses
+is rounding."""
 
 
 @dataclass(frozen=True)
@@ -192,8 +192,6 @@ class _System:
         free = self.own.integer & ~(np.isfinite(self.own.lower) & np.isfinite(self.own.upper))
         maximum = NODES_OF_FREE_INTEGERS if free.any() else 2**31 - 1
         self._highs.setOptionValue("mip_max_nodes", maximum if nodes is None else nodes)
-        self._highs.setOptionValue("time_limit", max(self.deadline - time.perf_counter(), 0.0))
-        self._highs.setOptionValue("mip_max_nodes", 2**31 - 1 if nodes is None else nodes)
         self._highs.run()
         status = self._highs.getModelStatus()
         if status == self._statuses.kInfeasible:
@@ -202,8 +200,9 @@ class _System:
             return False
         if status == self._statuses.kOptimal:
             x = np.array(self._highs.getSolution().col_value) * scaling(self.own).column
-            part = self.part(members)
-            return None if violations(part, settled(part, x)) else False
+            point = Point.of(self.part(members), x)
+            # What only tolerances allow may be no point at all.
+            return None if point.wrong or point.violation > TINY else False
         return None
 
     def part(self, members: Bools) -> Program:

@@ -376,6 +376,25 @@ def test_a_conflict_of_highs_that_is_none_is_not_believed(monkeypatch: pytest.Mo
     assert found.method == "deletion filter with linear programs"
 
 
+def test_what_only_tolerances_satisfy_is_no_proof_that_a_member_is_needed() -> None:
+    # Row 1 has x₀ ≤ 0 wherever x₁ ≤ 1, so row 0 reaches 10, whatever x₂ may be. But with x₀ = 2e-4 the
+    # rows are missed by 4e-7 only, and whatever one leaves out, solvers have such a point.
+    trial = program(
+        [
+            [4e3, 10, -0.1, 0, 0, 0, -0.01, -0.3, -40, 2, 4e4, 0, 3e-3, 0.3, 0],
+            [2e-3, -40, 0, 0, 0, 3e-4, 0, 0, -3e4, 0, -4e3, 1e3, 0, -2e-4, -1e-4],
+        ],
+        [INF, -40],
+        [100, -10, 0.03, 400, 1e-3, -2, 4e-4, -1, -4e4, 0, 0.3, 0, 10, 20, 3e-3],
+        row_lower=[10.775, -40],
+        upper=[1, 1, 1, 1, 1, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0],
+        integer=[j != 7 for j in range(15)],
+    )
+    found = find_conflict(trial)
+    assert {"row 0", "row 1"} <= set(found.rows)
+    assert found.irreducible <= ("0 ≤ x[2] ≤ 1" not in found.bounds)
+
+
 def test_the_same_program_is_always_explained_the_same() -> None:
     trial = program(np.ones((6, 4)), INF, 1, row_lower=[5, 5, 5, 6, 6, 6])
     assert len({find_conflict(trial) for _ in range(3)}) == 1
