@@ -326,6 +326,7 @@ def solvers(json: Json = None) -> None:
             "title": solver.title,
             "installed": solver.installed,
             "version": solver.version if solver.installed else None,
+            "package": f"{solver.package} {solver.package_version}" if solver.installed else None,
             **{ability: ability in solver.abilities for ability in abilities},
             "install": None if solver.installed else solver.install,
         }

@@ -66,6 +66,8 @@ class Conflict:
     """Whether fractional values would satisfy them all."""
     irreducible: bool = False
     """Whether it is proven that all of them are needed."""
+    said: tuple[str, ...] = ()
+    """The bounds in words, where the mission says what they come from."""
 
     @property
     def text(self) -> str:
@@ -80,7 +82,7 @@ class Conflict:
             claim = "without any one of them, whole numbers satisfy the others"
         else:
             claim = "without any one of them, fractional values satisfy the others"
-        members = shortened([*self.rows, *self.bounds])
+        members = shortened([*self.rows, *(self.said or self.bounds)])
         return "\n".join(
             [
                 f"{self.name} is infeasible. "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from typing import Any, Literal
 
@@ -18,6 +18,7 @@ from ..optimise.subject import Subject, subject
 from .clock import Clock
 from .conflict import Conflict, find_conflict
 from .fixings import Asked, fixings
+from .forbidden import forbidden, in_words
 from .numerics import Hazard, hazards, hazards_text
 from .optimum import Optimum, optimum
 from .repair import Repair, repair
@@ -172,6 +173,9 @@ def _explained(
     solution = solve_program(asked.program, options=Options(time_limit=share))
     if not solution.found and solution.status != "unbounded":
         conflict = find_conflict(program, time_limit=clock.left, name=asked.name)
+        if conflict.bounds:
+            said = in_words(conflict.bounds, forbidden(program, asked.data))
+            conflict = replace(conflict, said=said)
         mended = None
         if conflict.status == "infeasible" and not clock.is_up:
             mended = repair(program, weights=weights, time_limit=clock.left)
@@ -190,6 +194,7 @@ def _explained(
             program.flat(solution.values),
             summands=summands(asked),
             is_proven=status == "optimal",
+            reasons=forbidden(program, asked.data),
             time_limit=clock.left,
         )
         return Explanation(asked.name, status, solution, dangerous, why_not=against)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,6 +16,7 @@ from ..optimise.solvers import Options
 from .clock import Clock
 from .conflict import find_conflict, shortened
 from .fixings import Fixings, fixing_name, with_bounds, with_rows
+from .forbidden import Forbidden
 from .terms import Summands
 
 SAME = 1e-9
@@ -132,6 +134,7 @@ def why_not(
     *,
     summands: Summands | None = None,
     is_proven: bool = True,
+    reasons: Mapping[str, Forbidden] | None = None,
     time_limit: float | None = None,
 ) -> WhyNot:
     """What stands against the values `given`.
@@ -148,6 +151,8 @@ def why_not(
         The summands of its objective at a point; see `terms`.
     is_proven : bool
         Whether that is known to be optimal.
+    reasons : dict of str to Forbidden, optional
+        By bounds what they come from, to be said with them; see `forbidden`.
     time_limit : float, optional
         Seconds.
     """
@@ -171,10 +176,12 @@ def why_not(
         if found.status != "infeasible":
             return WhyNot(asked, "unknown")
         mine = {fixing_name(program, j, value) for j, value in given.items()}
+        why = reasons or {}
+        bounds = (f"{x}: {why[x].text}" if x in why else x for x in found.bounds)
         return WhyNot(
             asked,
             "forbidden",
-            against=(*(row for row in found.rows if row not in mine), *found.bounds),
+            against=(*(row for row in found.rows if row not in mine), *bounds),
             conflicting=tuple(row for row in found.rows if row in mine),
             integrality=found.integrality,
             irreducible=found.irreducible,

@@ -17,7 +17,7 @@ import stat
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -31,6 +31,7 @@ DEEPEST = 100
 """Levels of lists and tables within each other."""
 MAX_DIGITS = 300
 """Of a whole number; a longer one is beyond the range of a float."""
+NOT_FINITE = "{}; give a finite number"
 
 
 def read_text(path: str | Path) -> str:
@@ -185,8 +186,31 @@ def _parsed(text: str, language: str, parse: Callable[[str], Any]) -> Any:
         raise InputError(_too_many_digits(), field=f"line {line}") from None
     if fault is not None:
         place, problem = fault
+        if _fault(document, finite=False) is None:
+            raise NotFiniteError(document, list(_not_finite(document)))
         raise InputError(problem, field=at(*place))
     return document
+
+
+def _not_finite(value: Any, place: tuple[str | int, ...] = ()) -> Iterator[InputError]:
+    """What is wrong with each number that is not finite."""
+    if isinstance(value, float) and not math.isfinite(value):
+        yield InputError(NOT_FINITE.format(shown(value)), field=at(*place))
+    if isinstance(value, (dict, list)):
+        for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _not_finite(item, (*place, key))
+
+
+class NotFiniteError(InputError):
+    """A document in which a number is not finite, the first of `each`; all else can be taken."""
+
+    def __init__(self, document: Any, each: list[InputError]) -> None:
+        super().__init__(each[0].problem, field=each[0].field, file=each[0].file)
+        self.document, self.each = document, each
+
+    def within(self, file: str | os.PathLike[str]) -> NotFiniteError:
+        """The same errors, each said of `file`."""
+        return NotFiniteError(self.document, [error.within(file) for error in self.each])
 
 
 @dataclass(frozen=True)
@@ -205,12 +229,14 @@ def _table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 Fault = tuple[tuple[str | int, ...], str]
 
 
-def _fault(value: Any, depth: int = 0) -> Fault | None:
+def _fault(value: Any, depth: int = 0, *, finite: bool = True) -> Fault | None:
     """The first place in a document at which something cannot be taken, and what."""
     if isinstance(value, int):
         return None if abs(value) < 10**MAX_DIGITS else ((), _too_many_digits())
     if isinstance(value, float):
-        return None if math.isfinite(value) else ((), f"{shown(value)}; give a finite number")
+        return (
+            ((), NOT_FINITE.format(shown(value))) if finite and not math.isfinite(value) else None
+        )
     if isinstance(value, str):
         return None if value.isascii() or _is_unicode(value) else ((), "half a surrogate pair")
     if isinstance(value, _Repeated):
@@ -220,7 +246,7 @@ def _fault(value: Any, depth: int = 0) -> Fault | None:
     if depth == DEEPEST:
         raise RecursionError
     for key, item in value.items() if isinstance(value, dict) else enumerate(value):
-        if fault := _fault(item, depth + 1) or _fault(key):
+        if fault := _fault(item, depth + 1, finite=finite) or _fault(key):
             return (key, *fault[0]), fault[1]
     return None
 

@@ -285,11 +285,25 @@ def _mistakes(scenario: Scenario, mission: Instance) -> Iterator[InputError]:
             problem = f"{victim.id} is a victim of the mission; give a new one"
             yield InputError(problem, field=at("victims", i, "id"))
         yield from mistakes_of_victim(i, victim, grid, kinds)
+    opened: dict[tuple[int, int], float] = {}
+    for corridor in scenario.corridors:
+        for cell in corridor.cells if corridor.opened is not None else ():
+            opened[cell] = min(opened.get(cell, math.inf), corridor.opened or 0.0)
     for i, corridor in enumerate(scenario.corridors):
         for j, cell in enumerate(corridor.cells):
+            field = at("corridors", i, "cells", j)
             if not grid.contains(cell):
-                problem = f"{list(cell)} is {grid.trouble(cell)}"
-                yield InputError(problem, field=at("corridors", i, "cells", j))
+                yield InputError(f"{list(cell)} is {grid.trouble(cell)}", field=field)
+            elif (
+                corridor.blocked is not None
+                and not grid.free[cell]
+                and opened.get(cell, math.inf) >= corridor.blocked
+            ):
+                problem = (
+                    f"{list(cell)} is a wall of the map, which blocking does not change; give a free"
+                    " cell, or one that is opened before"
+                )
+                yield InputError(problem, field=field)
 
 
 def _unknown(field: str, kind: str, kinds: Sequence[str]) -> Iterator[InputError]:

@@ -10,6 +10,8 @@ from .suggestions import meant
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _CHECKOUT = _PACKAGE.parent
+SUFFIX = ".json"
+"""Of instances, plans and runs."""
 
 
 def shipped_folder() -> Path:
@@ -55,7 +57,8 @@ def find_instance(name_or_file: str | Path) -> Path:
 def _beside(path: Path) -> str:
     """The file in the same folder that was meant."""
     with contextlib.suppress(OSError):
-        # Alike suffixes make no names alike.
-        names = {file.stem: file.name for file in sorted(path.parent.iterdir())}
+        # Alike suffixes make no names alike; what cannot be read is not what was meant.
+        beside = (file for file in sorted(path.parent.iterdir()) if file.suffix == SUFFIX)
+        names = {file.stem: file.name for file in beside}
         return meant(path.stem, names, names)
     return ""

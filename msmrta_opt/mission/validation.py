@@ -10,7 +10,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from .errors import InputError, MistakesError, all_of, at, shown
-from .files import parse_json, read_text, read_toml
+from .files import NotFiniteError, parse_json, read_text, read_toml
 from .suggestions import meant
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -87,8 +87,31 @@ def read_model(
         return model.model_validate_json(text, strict=True, context=context)
     except ValidationError as error:
         raise problems_of(error, model).within(path) from None
+    except NotFiniteError as error:
+        raise _with_others(error, model, context, prepare).within(path) from None
     except InputError as error:
         raise error.within(path) from None
+
+
+def _with_others(
+    found: NotFiniteError,
+    model: type[BaseModel],
+    context: Any,
+    prepare: Callable[[Any, Any], Any] | None,
+) -> InputError:
+    """The numbers that are not finite, and what else is wrong, of each field once."""
+    own = {error.field: error for error in found.each}
+    try:
+        document = prepare(found.document, context) if prepare else found.document
+        text = json.dumps(document, default=str)
+        model.model_validate_json(text, strict=True, context=context)
+        others: list[InputError] = []
+    except ValidationError as error:
+        said = problems_of(error, model)
+        others = list(said.each) if isinstance(said, MistakesError) else [said]
+    except (ValueError, OverflowError):  # of a file that it names, for instance
+        others = []
+    return all_of([*(own.pop(other.field, other) for other in others), *own.values()])
 
 
 def first_problem(error: ValidationError, model: type[BaseModel] | None = None) -> InputError:

@@ -71,6 +71,18 @@ class Block:
         index = self.index(position)
         return "".join([x if isinstance(x, str) else str(index[x]) for x in self._name])
 
+    @property
+    def words(self) -> str:
+        """The name for all of its elements: ``each robot has at most one victim``."""
+        nouns = dict(zip(self.letters, self.nouns, strict=False))
+
+        def each(found: re.Match[str]) -> str:
+            before, letter = found.group(1) or "", found.group(2)
+            noun = nouns.get(letter) or before.strip() or letter
+            return f"{'' if before.strip() == noun else before}each {noun}"
+
+        return re.sub(r"(\b\w+ )?\{([^{}]*)\}", each, self.name)
+
     @cached_property
     def _name(self) -> tuple[str | int, ...]:
         """The name in parts: words, and the dimensions whose ids stand between them."""

@@ -34,6 +34,8 @@ class Subject:
     """Of a formulation."""
     parameters: Mapping[str, float] = field(default_factory=dict)
     """Of a formulation: the values of all of its parameters."""
+    data: Any = None
+    """Of a formulation: what it was built on."""
 
     @property
     def described(self) -> Program:
@@ -86,6 +88,7 @@ def subject(what: Any, data: Any = None, **parameters: float) -> Subject:
             compiled.problem,
             compiled,
             parameter_values(compiled.formulation, parameters),
+            data,
         )
     import cvxpy as cp
 

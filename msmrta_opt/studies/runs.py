@@ -128,7 +128,7 @@ def solving_contender(
     used = versions()
     if task.solver != AUTO:
         solver = solvers.get(task.solver)
-        used[solver.package] = solver.version
+        used[solver.package] = solver.package_version
     what = {
         "stage": task.stage,
         "model": task.model,

@@ -6,9 +6,11 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from msmrta_opt.mission.plan import Plan
+from msmrta_opt.mission.scenario import Scenario
 
 Command = Callable[..., int]
 
@@ -83,6 +85,17 @@ SCENARIOS = {
         "{file}: victims[0].service_time: a time for 'B', which victim 50 does not need (it needs "
         "nothing); remove it, or add the kind to its requirements"
     ),
+    "until = nan\nnotce = 'before'\n[[lost]]\nrobot = 0\ntime = -5\n[[speed]]\nvalue = inf": (
+        "{file}: until: NaN; give a finite number\n"
+        "error: {file}: speed[0].value: Infinity; give a finite number\n"
+        "error: {file}: lost[0].time: -5; give 0 or more\n"
+        "error: {file}: notce: 'before'; there is no such field; correct its name or remove it (did "
+        "you mean 'notice'?)"
+    ),
+    "[[corridors]]\ncells = [HERE, WALL]\nblocked = 20\nopened = 30": (
+        "{file}: corridors[0].cells[1]: WALL is a wall of the map, which blocking does not change; "
+        "give a free cell, or one that is opened before"
+    ),
 }
 
 
@@ -92,9 +105,18 @@ def test_a_mistake_in_a_scenario_is_told_of_its_file(
 ) -> None:
     plan.save(tmp_path / "plan.json")
     file = tmp_path / "scenario.toml"
-    file.write_text(text.replace("HERE", str(list(plan.instance.robots[0].start))))
+    wall = str(np.argwhere(~plan.instance.map.free)[0].tolist())
+    here = str(list(plan.instance.robots[0].start))
+    file.write_text(text.replace("HERE", here).replace("WALL", wall))
     assert msmrta("run", tmp_path / "plan.json", "--scenario", file) == 2
-    assert capsys.readouterr().err == f"error: {SCENARIOS[text].format(file=file)}\n"
+    said = SCENARIOS[text].format(file=file).replace("WALL", wall)
+    assert capsys.readouterr().err == f"error: {said}\n"
+
+
+def test_a_wall_that_is_opened_may_be_blocked_again(plan: Plan) -> None:
+    wall = np.argwhere(~plan.instance.map.free)[0].tolist()
+    tables = [{"cells": [wall], "opened": 10}, {"cells": [wall], "blocked": 50}]
+    Scenario.from_document({"corridors": tables}).check_for(plan.instance)
 
 
 def test_a_scenario_in_which_nothing_happens_is_said_to_be_one(

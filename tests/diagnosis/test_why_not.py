@@ -14,12 +14,15 @@ from support.programs import best_value, feasible_points, formulation, program, 
 
 from msmrta_opt.diagnosis.explain import explain
 from msmrta_opt.diagnosis.fixings import fixings, with_bounds, with_rows
+from msmrta_opt.diagnosis.forbidden import LACKS, UNREACHED, Forbidden, in_words
 from msmrta_opt.diagnosis.why_not import why_not
 from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise.data import ClusterData
 from msmrta_opt.optimise.formulation import Parameter
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solve import solve_program
+from msmrta_opt.stages.data import stage_data
 
 
 @settings(max_examples=examples(80))
@@ -184,3 +187,45 @@ def test_values_as_rows_and_as_bounds_leave_the_same_points() -> None:
         feasible_points(with_bounds(trial, given)),
     )
     assert by_rows.tolist() == by_bounds.tolist() == [[1, 0, 0], [1, 1, 0]]
+
+
+MISSION = {
+    "map": {"rows": ["...@.", "...@."]},
+    "capabilities": ["Aid", "Cut", "Lift"],
+    "service_time": {"Aid": 1, "Cut": 1, "Lift": 1},
+    "robots": [
+        {"id": 4, "start": [0, 0], "speed": 1, "capabilities": ["Aid", "Lift"]},
+        {"id": 5, "start": [1, 0], "speed": 1, "capabilities": ["Aid"]},
+    ],
+    "victims": [
+        {"id": 20, "cell": [0, 2], "requirements": ["Cut"]},
+        {"id": 21, "cell": [0, 4], "requirements": ["Aid"]},
+        {"id": 22, "cell": [1, 1], "requirements": ["Aid", "Lift"]},
+    ],
+}
+
+
+def test_a_pair_that_the_data_forbids_is_told_by_what_the_mission_lacks() -> None:
+    data = stage_data(Instance.from_document(MISSION), "victim")
+
+    def against(robot: int, victim: int) -> tuple[str, ...]:
+        found = explain("victim_printed", data, why_not=f"x[{robot},{victim}]=1").why_not
+        assert found is not None
+        return found.against
+
+    assert against(4, 20) == ("x[4,20] ≤ 0: robot 4 has nothing that is needed at victim 20 (Cut)",)
+    assert against(5, 21) == ("x[5,21] ≤ 0: robot 5 cannot reach victim 21",)
+    assert against(5, 22) == (
+        "x[5,22] ≤ 0: robot 5 finds nothing left to do at victim 22 (an earlier stage took Aid)",
+    )
+
+
+def test_bounds_of_one_robot_are_told_together() -> None:
+    why = {f"x[1,{v}] ≤ 0": Forbidden("1", LACKS, str(v), ("Cut",)) for v in (2, 3, 5)} | {
+        "x[1,7] ≤ 0": Forbidden("1", UNREACHED, "7")
+    }
+    assert in_words([*why, "x[2,2] ≥ 0"], why) == (
+        "robot 1 has nothing that is needed at victims 2, 3 and 5",
+        "robot 1 cannot reach victim 7",
+        "x[2,2] ≥ 0",
+    )

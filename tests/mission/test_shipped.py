@@ -49,7 +49,8 @@ def test_a_misspelt_name_is_told_what_was_meant(
     name: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.json").write_text("{}")
+    for there in ("mine.json", "min.png", "quite.png"):  # a picture is not what was meant
+        (tmp_path / there).write_text("{}")
     with pytest.raises(InputError, match=said):
         mo.read(name)
 

@@ -13,6 +13,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
+from importlib import import_module
 from typing import Literal
 
 import numpy as np
@@ -59,6 +60,15 @@ every_solver = able()
 @pytest.mark.parametrize("name", INSTALLED)
 def test_a_solver_has_a_version(name: str) -> None:
     assert get(name).version
+
+
+@pytest.mark.parametrize("name", [name for name in ("scip", "glpk") if name in INSTALLED])
+def test_the_version_of_a_solver_is_its_own_not_that_of_its_package(name: str) -> None:
+    said = {"scip": lambda: import_module("pyscipopt").Model().version(),
+            "glpk": lambda: import_module("swiglpk").glp_version()}  # fmt: skip
+    own, package = str(said[name]()), get(name).package_version
+    assert get(name).version.startswith(own)
+    assert get(name).version != package
 
 
 def test_free_solvers_are_installed_and_commercial_ones_that_are_not_are_named() -> None:
@@ -569,7 +579,7 @@ def test_nothing_is_imported_until_a_solver_is_asked_to_solve() -> None:
     modules = {known.module for known in solvers().values()} - {"scipy"}
     code = (
         "from msmrta_opt.optimise.solvers import solvers\n"
-        "_ = [(s.installed, s.version) for s in solvers().values()]\n"
+        "_ = [(s.installed, s.package_version) for s in solvers().values()]\n"
         f"print([name for name in {sorted(modules)} if name in sys.modules])\n"
     )
     assert in_new_process(code) == "[]"

@@ -124,6 +124,8 @@ class Solver:
     """Place in lists."""
     available: Callable[[], bool] | None = field(default=None, compare=False, repr=False)
     """A further condition beyond the module, for instance a licence."""
+    ask_version: Callable[[], str] | None = field(default=None, compare=False, repr=False)
+    """Asks the solver for its version, where its package has another."""
 
     @property
     def installed(self) -> bool:
@@ -132,7 +134,13 @@ class Solver:
 
     @property
     def version(self) -> str:
-        """The installed version, empty if there is none."""
+        """The solver's own version, empty if it is not there."""
+        own = self.ask_version
+        return own() if own is not None and _importable(self.module) else self.package_version
+
+    @property
+    def package_version(self) -> str:
+        """The version of the package that provides it, empty if there is none."""
         return _version(self.package)
 
     def solve(self, program: Program, options: Options) -> Outcome:

@@ -172,6 +172,13 @@ def _integer(
     return incumbent(program, x, own_bound(program, minimum), message=stopped[code])
 
 
+def version() -> str:
+    """GLPK's own version; swiglpk counts apart."""
+    import swiglpk
+
+    return str(swiglpk.glp_version())
+
+
 SOLVER = Solver(
     name="glpk",
     title="GLPK, simplex and branch and cut",
@@ -180,6 +187,7 @@ SOLVER = Solver(
     install="pip install 'msmrta_opt[solvers]'",
     abilities=frozenset(["integer", "lp", "time_limit", "gap", "verbose", "bound", "duals"]),
     run=run,
+    ask_version=version,
     tolerances={"feasibility": 1e-7, "integrality": 1e-7},
     rank=4,
 )

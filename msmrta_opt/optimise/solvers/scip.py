@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -103,6 +104,15 @@ def _outcome(model: Any, variables: list[Any], program: Program, status: str) ->
     return incumbent(program, x, bound, nodes=nodes, message=status)
 
 
+@cache
+def version() -> str:
+    """SCIP's own version; PySCIPOpt counts apart."""
+    import pyscipopt
+
+    scip = pyscipopt.Model()
+    return f"{scip.getMajorVersion()}.{scip.getMinorVersion()}.{scip.getTechVersion()}"
+
+
 SOLVER = Solver(
     name="scip",
     title="SCIP, branch cut and price",
@@ -113,6 +123,7 @@ SOLVER = Solver(
         ["integer", "lp", "time_limit", "gap", "seed", "start", "verbose", "bound"]
     ),
     run=run,
+    ask_version=version,
     tolerances={"feasibility": 1e-6, "integrality": 1e-6},
     rank=2,
 )

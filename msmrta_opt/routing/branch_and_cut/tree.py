@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from ...optimise.solvers.scip import version as scip_version
 from ..parameters import BranchAndCutParameters
 from ..problem import Routes
 from ..run_highs import highs_version
@@ -76,8 +77,4 @@ def solvers() -> str:
     """The solvers of relaxation and tree with their versions, for certificates."""
     if not has_scip():
         return highs_version()
-    from pyscipopt import Model
-
-    scip = Model()
-    number = f"{scip.getMajorVersion()}.{scip.getMinorVersion()}.{scip.getTechVersion()}"
-    return f"{highs_version()}, scip {number}"
+    return f"{highs_version()}, scip {scip_version()}"

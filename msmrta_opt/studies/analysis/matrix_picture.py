@@ -141,7 +141,7 @@ def _name_side(ax: Axes, blocks: Sequence[Block], n: int, names: Sequence[str], 
         middle = _middle(block)
         if all(abs(middle - _middle(other)) > n / (28 if side == "y" else 6) for other in kept):
             kept.append(block)
-    said = [f"{shortened(block.name)} ({block.size})" for block in kept]
+    said = [f"{shortened(block.words)} ({block.size})" for block in kept]
     ticks([_middle(block) for block in kept], [plain(text) for text in said])
 
 

@@ -136,7 +136,7 @@ def coefficients(
         columns = program.matrix.tocsc()
         rows = np.unique(columns[:, np.flatnonzero(program.cost)].tocoo().row)
         values = np.abs(program.matrix[rows][:, own]).sum(axis=0)
-        names = [item.name for item in program.rows if np.any(_within(item, rows))]
+        names = [item.words for item in program.rows if np.any(_within(item, rows))]
         where = f"'{', '.join(names)}'" if names else where
     possible = (program.upper[own] > 0.5).reshape(block.shape, order="F")
     shaped = np.asarray(values, dtype=float).reshape(block.shape, order="F")
@@ -159,7 +159,7 @@ def margins(program: Program, solution: Solution, block: Block) -> tuple[Margin,
             continue
         for side, letter in enumerate(block.letters):
             if row.letters == (letter,) and row.size == block.shape[side]:
-                found[side].append((row.name, np.asarray(dual, dtype=float)))
+                found[side].append((row.words, np.asarray(dual, dtype=float)))
                 break
     return found
 

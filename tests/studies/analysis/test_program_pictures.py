@@ -16,7 +16,7 @@ import msmrta_opt as mo
 from msmrta_opt.cli import run
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.generate import generate_mission
-from msmrta_opt.optimise.program import Program
+from msmrta_opt.optimise.program import Block, Program
 from msmrta_opt.plots.style import PALETTE
 from msmrta_opt.studies.analysis.matrix_picture import plot_matrix
 from msmrta_opt.studies.analysis.solution_picture import plot_solution
@@ -154,3 +154,18 @@ def test_a_matrix_without_an_instance_is_refused(
     assert run(["show", CLUSTERS, "--matrix", str(file)]) == 2
     assert capsys.readouterr().err == "error: --matrix: is of an instance; give one\n"
     assert not file.exists()
+
+
+def test_a_label_in_a_legend_says_for_whom_it_stands() -> None:
+    block = Block(
+        "kind {k} at victim {v} has what holder {h} leaves", 0, (1, 1, 1), ("k", "v", "h"),
+        ("kind", "victim", "holder"),
+    )  # fmt: skip
+    assert block.words == "each kind at each victim has what each holder leaves"
+    model, stage = "victim_covering", "victim"
+    data = mo.stage_data(mo.example("paper"), stage)
+    legend = plot_solution(mo.program(model, data), mo.solve(model, data)).get_legend()
+    assert legend is not None
+    said = [text.get_text() for text in legend.get_texts()]
+    assert any("each victim" in text for text in said)
+    assert not any("{" in text for text in said)
