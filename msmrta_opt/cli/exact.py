@@ -63,7 +63,7 @@ def exact(
     from .console import STANDARD_OUTPUT
     from .outputs import check_outputs, write_plan
     from .proofs import say_proof
-    from .tables import show_plan
+    from .tables import show_certificates, show_plan
 
     if proof is not None:
         require_suffix(objective, proof)
@@ -100,10 +100,13 @@ def exact(
     )
     only_once = json == STANDARD_OUTPUT and proof is not None
     write_plan(made, None if only_once else json, figure)
-    show_plan(made)
+    show_plan(made, certificates=proof is None)
     if proof is not None:
-        found = prove_plan(made, path=proof, time_limit=time_limit)
-        made = with_proof(made, found)
+        try:
+            found = prove_plan(made, path=proof, time_limit=time_limit)
+            made = with_proof(made, found)
+        finally:  # as proved as it is by then
+            show_certificates(made)
         if only_once:
             write_plan(made, json, None)
         elif json is not None:

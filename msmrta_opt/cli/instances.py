@@ -39,7 +39,7 @@ def instances(json: Json = None) -> None:
     write_json(json, records)
     table(
         "Instances",
-        ["name", "robots", "victims", "scouts", "map", "description"],
+        ["name", "robots", "victims", "scouts", "map (rows × columns)", "description"],
         [
             (
                 *(record[name] for name in ("name", "robots", "victims", "scouts")),

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..mission.counting import counted
+from ..mission.counting import counted, rows_by_columns
 from .console import Json
 
 CellSize = Annotated[
@@ -61,8 +61,11 @@ def show_map(
         floor, grid = made.floor, made.grid
         n_rows, n_cols = floor.state.shape
         rows += [
-            ("pixels", f"{n_rows} × {n_cols} of {floor.resolution:g} m"),
-            ("size", f"{n_cols * floor.resolution:g} × {n_rows * floor.resolution:g} m"),
+            ("pixels", f"{rows_by_columns((n_rows, n_cols))} of {floor.resolution:g} m"),
+            (
+                "height × width",
+                f"{n_rows * floor.resolution:g} × {n_cols * floor.resolution:g} m",
+            ),
             *((f"{name} pixels", f"{share:.1%}") for name, share in floor.share.items()),
             (
                 "the robot fits on",
@@ -82,7 +85,7 @@ def show_map(
         grid = read_map_file(file, **options)
     sizes = sorted(_sizes(grid.component), reverse=True)
     rows += [
-        ("cells", f"{grid.shape[0]} × {grid.shape[1]}"),
+        ("cells", rows_by_columns(grid.shape)),
         ("free cells", f"{int(grid.free.sum())} ({grid.free.mean():.1%})"),
         ("regions", f"{len(sizes)}, of {', '.join(map(str, sizes[:5]))}{', …' * (len(sizes) > 5)}"),
     ]

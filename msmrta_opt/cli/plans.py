@@ -131,7 +131,7 @@ def _show(name: str, objective: str, plans: Sequence[Candidate], losses: Sequenc
     from ..mission.metrics import metrics_of
     from .console import table
 
-    metrics = metrics_of("plans")
+    metrics = [metric for metric in metrics_of("plans") if metric.name != objective]
     table(
         f"{name}: plans by {objective}",
         ["plan", objective, "to its bound", "open", *(metric.heading for metric in metrics)],

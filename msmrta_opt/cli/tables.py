@@ -15,8 +15,8 @@ from .console import say, seconds, table
 EMPTY = "∅"
 
 
-def show_plan(plan: Plan) -> None:
-    """Print everything about `plan`."""
+def show_plan(plan: Plan, *, certificates: bool = True) -> None:
+    """Print everything about `plan`, its certificates and times last, perhaps without these."""
     _scouting(plan)
     _victims(plan)
     _robots(plan)
@@ -25,6 +25,12 @@ def show_plan(plan: Plan) -> None:
     _metrics(plan)
     for line in notes(plan):
         say(line)
+    if certificates:
+        show_certificates(plan)
+
+
+def show_certificates(plan: Plan) -> None:
+    """Print how optimal what integer programs found is, and how long planning took."""
     _certificates(plan)
     _times(plan)
 

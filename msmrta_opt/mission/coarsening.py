@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Bools, Ints
+from .counting import rows_by_columns
 from .errors import InputError, shown
 from .frame import Frame
 from .grid import GridMap
@@ -94,7 +95,7 @@ def coarsen(
     shape = int(rows[-1]) + 1, int(cols[-1]) + 1
     if shape[0] * shape[1] > LARGEST_CELLS:
         raise InputError(
-            f"{shown(cell_size)} makes {shape[0]} × {shape[1]} cells; give a larger one, for at most "
+            f"{shown(cell_size)} makes {rows_by_columns(shape)}; give a larger one, for at most "
             f"{LARGEST_CELLS:,} in all",
             field="cell_size",
         )

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import Bools, Floats, Int32s
+from .counting import rows_by_columns
 from .errors import InputError
 from .frame import Frame
 from .search import Cell as Cell
@@ -100,10 +101,8 @@ class GridMap:
 
     def trouble(self, cell: Cell) -> str:
         """Where a cell lies that is not free, and which one nearby is, in words."""
-        n_rows, n_cols = self.shape
-        place = (
-            "in a wall" if self.contains(cell) else f"outside the map of {n_rows} × {n_cols} cells"
-        )
+        outside = f"outside the map of {rows_by_columns(self.shape)}"
+        place = "in a wall" if self.contains(cell) else outside
         nearest = self.nearest_free(cell)
         if nearest is None:
             return place

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
 from . import display
+from .counting import rows_by_columns
 from .errors import InputError, all_of, shown
 from .fields import Amount, Id, Speed
 from .fields import CellField as CellField
@@ -142,14 +143,13 @@ class Instance(_Record):
 
     @property
     def _summary(self) -> str:
-        n_rows, n_cols = self.map.shape
         counts = [
             display.counted(self.n_robots, "robot"),
             display.counted(self.n_victims, "victim"),
             *([display.counted(len(self.scouts), "scout")] if self.scouts else []),
             display.counted(self.n_kinds, "kind"),
         ]
-        return f"{self.name or 'unnamed'}: {', '.join(counts)}, map of {n_rows} × {n_cols} cells"
+        return f"{self.name or 'unnamed'}: {', '.join(counts)}, map of {rows_by_columns(self.map.shape)}"
 
     # Sizes and arrays
 

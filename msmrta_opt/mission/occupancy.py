@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .counting import rows_by_columns
 from .errors import InputError, shown
 from .files import check_regular
 from .frame import Pose
@@ -152,7 +153,8 @@ def _bands(path: Path) -> NDArray[np.uint8]:
             n_cols, n_rows = image.size
             if n_cols * n_rows > LARGEST_PIXELS:
                 raise InputError(
-                    f"{n_cols} × {n_rows} pixels; give at most {LARGEST_PIXELS:,} in all", file=path
+                    f"{rows_by_columns((n_rows, n_cols))}; give at most {LARGEST_PIXELS:,} pixels",
+                    file=path,
                 )
             array = np.asarray(_eight_bits(image, path))
     except InputError:

@@ -8,6 +8,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from ..mission.coarsening import Coarsening
+from ..mission.counting import rows_by_columns
 from .figure import Picture
 from .lettering import as_written
 
@@ -47,7 +48,7 @@ def plot_floor(made: Coarsening) -> Figure:
         interpolation="nearest",
         extent=(0, n_cols * side, 0, n_rows * side),
     )
-    left.set_title(f"{n_cols} × {n_rows} pixels of {side:g} m")
+    left.set_title(f"{rows_by_columns((n_rows, n_cols))}: pixels of {side:g} m")
     _draw_cells(made, right)
     for panel in (left, right):
         panel.set_xlabel("metres from the lower left corner")
@@ -84,4 +85,4 @@ def _draw_cells(made: Coarsening, ax: Axes) -> None:
     if max(n_rows, n_cols) <= 100:
         ax.vlines(np.arange(n_cols + 1) * side, 0, n_rows * side, color="#e5e9f0", lw=0.5)
         ax.hlines(np.arange(n_rows + 1) * side, 0, n_cols * side, color="#e5e9f0", lw=0.5)
-    ax.set_title(f"{int(grid.free.sum())} free of {n_rows} × {n_cols} cells of {side:g} m")
+    ax.set_title(f"{rows_by_columns(grid.shape)}: cells of {side:g} m, {int(grid.free.sum())} free")

@@ -52,7 +52,7 @@ def test_a_grid_is_told_in_numbers_too(
 ) -> None:
     picture = tmp_path / "map.png"
     assert msmrta("map", instances_dir / "maps" / "map0.map", "--figure", picture) == 0
-    assert "20 × 20" in capsys.readouterr().out
+    assert "20 rows × 20 columns" in capsys.readouterr().out
     assert picture.exists()
 
 

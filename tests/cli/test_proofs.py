@@ -140,7 +140,10 @@ def test_the_exact_planner_proves_its_plan_and_check_checks_it(
     )  # fmt: skip
     words = ["exact", mission, "--objective", "makespan", "--json", plan, "--proof", path]
     assert cli.run(words) == 0
-    assert f"{path}: proved (" in capsys.readouterr().out.replace("\n", "")
+    shown = capsys.readouterr().out
+    assert f"{path}: proved (" in shown.replace("\n", "")
+    (row,) = [line for line in shown.splitlines() if "joint problem" in line and "makespan" in line]
+    assert "proved (2 leaves" in row  # what the table says is the proof that was written
     assert cli.run(["check", path]) == 0
     assert "proved: minimum in [" in capsys.readouterr().out
     assert cli.run(["check", plan]) == 0

@@ -73,7 +73,8 @@ def test_a_mission_may_name_a_floor(tmp_path: Path) -> None:
         ),
         (
             {"victims": [{"id": 1, "cell": {"x": 99, "y": 20.1}, "requirements": []}]},
-            "victims[0].cell: x 99, y 20.1 is outside the map of 2 × 3 cells; the nearest free cell",
+            "victims[0].cell: x 99, y 20.1 is outside the map of 2 rows × 3 columns; "
+            "the nearest free cell",
         ),
         (
             {"victims": [{"id": 1, "cell": {"x": 10.1}, "requirements": []}]},

@@ -140,7 +140,9 @@ def test_an_image_of_16_bits_is_refused(tmp_path: Path) -> None:
 
 def test_an_image_too_large_is_refused_before_it_is_decoded(tmp_path: Path) -> None:
     (tmp_path / "floor.pgm").write_bytes(b"P5\n100000 100000\n255\n")
-    with pytest.raises(InputError, match="100000 × 100000 pixels; give at most 100,000,000"):
+    with pytest.raises(
+        InputError, match="100000 rows × 100000 columns; give at most 100,000,000 pixels"
+    ):
         states(tmp_path, image="floor.pgm")
 
 

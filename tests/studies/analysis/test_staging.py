@@ -78,6 +78,8 @@ def test_the_command_prints_both_tables_and_draws(
     told = capsys.readouterr().out
     assert "order of visits" in told
     assert "exact" in told
+    assert "total_time" in told
+    assert "total time" not in told  # the same number a second time
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert run([*arguments, "--objective", "latency"]) == 0
     assert "two_rooms: plans by latency" in capsys.readouterr().out
