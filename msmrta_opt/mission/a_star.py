@@ -1,4 +1,4 @@
-"""A* on a grid, compiled: shortest walks. Maps are arrays as in `breadth_first`.
+"""A* on a grid, compiled: shortest walks, and how long they are. Maps are arrays as in `breadth_first`.
 
 The search goes from the goal to the start, whose Manhattan distance is its heuristic. A move leaves the
 estimate of the whole walk as it is or adds two, so that two stacks do for a priority queue: one for the
@@ -27,11 +27,12 @@ def _search(
     goal: int,
     stacks: tuple[Ints, Ints],
     seen: Int32s,
+    every: bool,
 ) -> int:
-    """Distances from `goal` of all cells on shortest walks from `start`; how many cells are `seen`.
+    """The distance of `start` from `goal`, in `distance`; returns how many cells are `seen`.
 
-    A place is put on a stack only with a new distance, and all that a stack holds have one estimate: so
-    none is on it twice.
+    If so wished, `every` other cell on a shortest walk has its distance, too. A place is put on a stack
+    only with a new distance, and all that a stack holds have one estimate: so none is on it twice.
     """
     now, after = stacks
     to_row, to_col = start // width, start % width
@@ -40,7 +41,7 @@ def _search(
     distance[goal], seen[0], now[0] = 0, goal, (row << ROW) + col
     n_seen, n_now, n_after = 1, 1, 0
     while n_now:
-        while n_now:
+        while n_now and (every or distance[start] == FAR):
             n_now -= 1
             place = now[n_now]
             row, col = place >> ROW, place & ((1 << ROW) - 1)
@@ -62,10 +63,41 @@ def _search(
                 n_seen += known == FAR
                 n_now += is_better & is_nearer
                 n_after += is_better & (not is_nearer)
-        if distance[start] == FAR:
-            now, after = after, now
-            n_now, n_after, estimate = n_after, 0, estimate + 2
+        if distance[start] != FAR:
+            break
+        now, after = after, now
+        n_now, n_after, estimate = n_after, 0, estimate + 2
     return n_seen
+
+
+@inlined
+def _begin(cells: Int32s) -> tuple[Int32s, tuple[Ints, Ints], Int32s]:
+    """Distances, all of them far, the two stacks, and a list for what is seen."""
+    distance = cells.copy()
+    distance[cells == UNSEEN] = FAR
+    size = len(cells) + 1
+    return distance, (np.empty(size, np.int64), np.empty(size, np.int64)), np.empty(size, np.int32)
+
+
+@inlined
+def _forget(distance: Int32s, seen: Int32s, n_seen: int) -> None:
+    for i in range(n_seen):
+        distance[seen[i]] = FAR
+
+
+@kernel("int32[::1](int32[::1], int64, int64[::1], int64[::1])")
+def lengths(cells: Int32s, width: int, starts: Ints, goals: Ints) -> Int32s:
+    """Distance of each start from its goal, ``(n_walks,)``; negative if none."""
+    found = np.full(len(starts), UNSEEN, np.int32)
+    distance, stacks, seen = _begin(cells)
+    for i in range(len(starts)):
+        start, goal = starts[i], goals[i]
+        if distance[start] != BLOCKED and distance[goal] != BLOCKED:
+            n_seen = _search(distance, width, start, goal, stacks, seen, False)
+            if distance[start] != FAR:
+                found[i] = distance[start]
+            _forget(distance, seen, n_seen)
+    return found
 
 
 @kernel("Tuple((int32[::1], int64[::1]))(int32[::1], int64, int64[::1], int64[::1])")
@@ -77,13 +109,11 @@ def walks(cells: Int32s, width: int, starts: Ints, goals: Ints) -> tuple[Int32s,
     """
     walked, size = np.empty(1024, np.int32), 0
     ends = np.empty(len(starts), np.int64)
-    distance, seen = cells.copy(), np.empty(len(cells) + 1, np.int32)
-    distance[cells == UNSEEN] = FAR
-    stacks = np.empty(len(cells) + 1, np.int64), np.empty(len(cells) + 1, np.int64)
+    distance, stacks, seen = _begin(cells)
     for i in range(len(starts)):
         cell, left, n_seen = starts[i], -1, 0
         if distance[cell] != BLOCKED and distance[goals[i]] != BLOCKED:
-            n_seen = _search(distance, width, cell, goals[i], stacks, seen)
+            n_seen = _search(distance, width, cell, goals[i], stacks, seen, True)
             if distance[cell] != FAR:
                 left = distance[cell]
         if size + left + 1 > len(walked):
@@ -102,6 +132,5 @@ def walks(cells: Int32s, width: int, starts: Ints, goals: Ints) -> tuple[Int32s,
             walked[size] = cell
             size += 1
         ends[i] = size
-        for j in range(n_seen):
-            distance[seen[j]] = FAR
+        _forget(distance, seen, n_seen)
     return walked[:size].copy(), ends

@@ -73,22 +73,6 @@ def between(cells: Int32s, width: int, sources: Ints, targets: Ints) -> Int32s:
 
 
 @kernel("int32[::1](int32[::1], int64, int64[::1], int64[::1])")
-def lengths(cells: Int32s, width: int, starts: Ints, goals: Ints) -> Int32s:
-    """Distance of each start from its goal, ``(n_walks,)``; negative if none.
-
-    Walks that follow each other and have the same start take one search.
-    """
-    found = np.empty(len(starts), np.int32)
-    distance, queue, head, tail = cells.copy(), np.empty(len(cells) + 1, np.int32), 0, 0
-    for i in range(len(starts)):
-        if i == 0 or starts[i] != starts[i - 1]:
-            head, tail = _begin(distance, queue, tail, starts[i])
-        head, tail = _search(distance, width, queue, head, tail, goals[i])
-        found[i] = distance[goals[i]]
-    return found
-
-
-@kernel("int32[::1](int32[::1], int64, int64[::1], int64[::1])")
 def nearest(cells: Int32s, width: int, sources: Ints, targets: Ints) -> Int32s:
     """Which source is nearest to each target, ``(n_targets,)``, the first of several; negative if none.
 

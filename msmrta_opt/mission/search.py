@@ -40,10 +40,7 @@ class Search(Protocol):
         """Distances of each source from each target, ``(n_sources, n_targets)``."""
 
     def lengths(self, starts: Cells, goals: Cells) -> Int32s:
-        """Distance of each start from its goal, ``(n_walks,)``.
-
-        Walks that follow each other and have the same start take one search.
-        """
+        """Distance of each start from its goal, ``(n_walks,)``."""
 
     def nearest(self, sources: Cells, targets: Cells) -> Int32s:
         """Which source is nearest to each target, the first of several, ``(n_targets,)``."""
@@ -99,7 +96,7 @@ class _Compiled:
         return self.kernels.between(self.cells, self.width, *ends)
 
     def lengths(self, starts: Cells, goals: Cells) -> Int32s:
-        return self.kernels.lengths(self.cells, self.width, self.index(starts), self.index(goals))
+        return self.walker.lengths(self.cells, self.width, self.index(starts), self.index(goals))
 
     def nearest(self, sources: Cells, targets: Cells) -> Int32s:
         ends = self.index(sources), self.index(targets)
