@@ -14,48 +14,49 @@ from ..arrays import Int32s, Ints
 from ..compiled import inlined, kernel
 
 UNSEEN, BLOCKED = -1, -2
+MANY = 8
+"""From one part of so many of the cells on, all are cleared at once."""
 
 
 @inlined
-def _search(
-    distance: Int32s, width: int, queue: Int32s, head: int, tail: int, goal: int, move: int = 1
-) -> tuple[int, int]:
-    """Go on until `goal` is seen or the search is at its end; the new ends of the queue."""
-    while head < tail and distance[goal] == UNSEEN:
-        cell = queue[head]
-        head += 1
-        there = distance[cell] + move
-        for near in (cell - width, cell + width, cell - 1, cell + 1):
-            # No branch: whether a cell is new cannot be foretold, and to guess wrong takes longer.
-            known = distance[near]
-            new = known == UNSEEN
-            queue[tail] = near
-            tail += new
-            distance[near] = there if new else known
-    return head, tail
+def _beside(given: Int32s, width: int, queue: Int32s, tail: int, cell: int, value: int) -> int:
+    """Give `value` to the cells beside `cell` that are not seen yet, and queue them; the queue's end."""
+    for near in (cell - width, cell + width, cell - 1, cell + 1):
+        # No branch: whether a cell is new cannot be foretold, and to guess wrong takes longer.
+        known = given[near]
+        new = known == UNSEEN
+        queue[tail] = near
+        tail += new
+        given[near] = value if new else known
+    return tail
 
 
 @inlined
-def _begin(distance: Int32s, queue: Int32s, tail: int, source: int) -> tuple[int, int]:
-    """Forget the search before, whose queue ended at `tail`, and begin one; the ends of the queue."""
-    for i in range(tail):
-        distance[queue[i]] = UNSEEN
-    if distance[source] == BLOCKED:
-        return 0, 0
-    distance[source] = 0
-    queue[0] = source
-    return 0, 1
+def _search(distance: Int32s, width: int, queue: Int32s, source: int, goals: Ints) -> int:
+    """Go from `source` as far as all `goals` are seen, or to the end; the end of the queue."""
+    if distance[source] != UNSEEN:
+        return 0
+    distance[source], queue[0], head, tail, there, seen = 0, source, 0, 1, 0, 0
+    while head < tail:
+        while seen < len(goals) and distance[goals[seen]] != UNSEEN:
+            seen += 1
+        if seen == len(goals):
+            break
+        there += 1
+        for i in range(head, tail):
+            tail = _beside(distance, width, queue, tail, queue[i], there)
+            head += 1
+    return tail
 
 
 @kernel("int32[:,::1](int32[::1], int64, int64[::1])")
 def fields(cells: Int32s, width: int, sources: Ints) -> Int32s:
     """Distance of each source from every cell, ``(n_sources, len(cells))``; negative if none."""
     found = np.empty((len(sources), len(cells)), np.int32)
-    queue = np.empty(len(cells) + 1, np.int32)
+    queue, nowhere = np.empty(len(cells) + 1, np.int32), np.full(1, len(cells) - 1)
     for s in range(len(sources)):
         found[s] = cells
-        head, tail = _begin(found[s], queue, 0, sources[s])
-        _search(found[s], width, queue, head, tail, len(cells) - 1)
+        _search(found[s], width, queue, sources[s], nowhere)
     return found
 
 
@@ -63,12 +64,16 @@ def fields(cells: Int32s, width: int, sources: Ints) -> Int32s:
 def between(cells: Int32s, width: int, sources: Ints, targets: Ints) -> Int32s:
     """Distance of each source from each target, ``(n_sources, n_targets)``; negative if none."""
     found = np.empty((len(sources), len(targets)), np.int32)
-    distance, queue, tail = cells.copy(), np.empty(len(cells) + 1, np.int32), 0
+    distance, queue = cells.copy(), np.empty(len(cells) + 1, np.int32)
     for s in range(len(sources)):
-        head, tail = _begin(distance, queue, tail, sources[s])
+        tail = _search(distance, width, queue, sources[s], targets)
         for t in range(len(targets)):
-            head, tail = _search(distance, width, queue, head, tail, targets[t])
             found[s, t] = distance[targets[t]]
+        if MANY * tail > len(cells):
+            distance[:] = cells
+        else:
+            for i in range(tail):
+                distance[queue[i]] = UNSEEN
     return found
 
 
@@ -86,7 +91,9 @@ def nearest(cells: Int32s, width: int, sources: Ints, targets: Ints) -> Int32s:
             queue[tail] = sources[s]
             tail += 1
     for t in range(len(targets)):
-        head, tail = _search(owner, width, queue, head, tail, targets[t], 0)
+        while head < tail and owner[targets[t]] == UNSEEN:
+            tail = _beside(owner, width, queue, tail, queue[head], owner[queue[head]])
+            head += 1
         found[t] = owner[targets[t]]
     return found
 
@@ -94,14 +101,12 @@ def nearest(cells: Int32s, width: int, sources: Ints, targets: Ints) -> Int32s:
 @kernel("int32[::1](int32[::1], int64)")
 def components(cells: Int32s, width: int) -> Int32s:
     """The connected component of each free cell, from 1 on in the order of first cells; others 0."""
-    label = np.zeros(len(cells), np.int32)
-    distance, queue, number = cells.copy(), np.empty(len(cells) + 1, np.int32), 0
+    label, queue, number = cells.copy(), np.empty(len(cells) + 1, np.int32), 0
     for cell in range(len(cells) - 1):
-        if distance[cell] == UNSEEN:
+        if label[cell] == UNSEEN:
             number += 1
-            distance[cell] = 0
-            queue[0] = cell
-            _, tail = _search(distance, width, queue, 0, 1, len(cells) - 1)
-            for i in range(tail):
-                label[queue[i]] = number
-    return label
+            label[cell], queue[0], head, tail = number, cell, 0, 1
+            while head < tail:
+                tail = _beside(label, width, queue, tail, queue[head], number)
+                head += 1
+    return np.maximum(label, np.int32(0))
