@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, Ints
 from ..mission.grid import manhattan
 from ..optimise import registry
 from ..optimise.data import ClusterData
@@ -67,15 +68,22 @@ def cluster_data(
     InputError
         If ``apart`` names a robot that there is none of.
     """
-    member = np.eye(clusters.n_clusters, dtype=float)[clusters.labels]
-    met = situation.able.sum(axis=2)
-    full = np.where(analysis.full, met, 0) @ member
+    instance = situation.instance
+    met = np.where(situation.reach, instance.P.astype(int) @ instance.Q.T.astype(int), 0)
     counted = met if options.weights == "text" else np.where(analysis.partial, met, 0)
-    robots = [robot.id for robot in situation.instance.robots]
+    w, full = (_by_cluster(n, clusters) for n in (counted, np.where(analysis.full, met, 0)))
+    robots = [robot.id for robot in instance.robots]
     budget = np.full(len(robots), options.budget, dtype=np.int64)
     apart = options.named_robots(robots)
     around = situation.around(centres=clusters.cells, labels=clusters.labels, apart=apart)
-    return ClusterData(counted @ member, full, budget, ids={"r": robots}, around=around)
+    return ClusterData(w, full, budget, ids={"r": robots}, around=around)
+
+
+def _by_cluster(count: Ints, clusters: Clustering) -> Floats:
+    """The sums over the members of each cluster, ``(n_robots, n_clusters)``."""
+    order = np.argsort(clusters.labels, kind="stable")
+    begins = np.searchsorted(clusters.labels[order], np.arange(clusters.n_clusters))
+    return np.add.reduceat(count[:, order], begins, axis=1).astype(float)
 
 
 def cluster_assignment(

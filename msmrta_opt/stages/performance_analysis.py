@@ -42,7 +42,8 @@ def performance_analysis(
     instance = situation.instance
     ends, busy = situation.after(stops)
     does = situation.able & remaining
-    can_serve = np.asarray(does.any(axis=2))
+    shared = instance.P.astype(int) @ (instance.Q & remaining).T.astype(int)
+    can_serve = situation.reach & (shared > 0)
     n_capabilities = np.maximum(instance.P.sum(axis=1), 1)
     lost = ~instance.P[:, None, :] * (instance.service * remaining)[None, :, :]
     record = lost_so_far(situation, stops)

@@ -53,12 +53,12 @@ def requirement_analysis(P: Bools, Q: Bools) -> RequirementAnalysis:  # noqa: N8
     Q : bool array, shape (n_victims, n_kinds)
         Requirements.
     """
-    U = Q.astype(int) @ P.T.astype(int)  # noqa: N806 - the paper's name
-    S = Q.sum(axis=1)[:, None]  # noqa: N806 - the paper's name
+    U = P.astype(int) @ Q.T.astype(int)  # noqa: N806 - the paper's name
+    S = Q.sum(axis=1)  # noqa: N806 - the paper's name
     full, partial = (U > 0) & (U == S), (U > 0) & (U < S)
     # The loop of Algorithm 2 runs over the union of the two sets: over all (r, v) that share a kind.
-    potential = Q[:, :, None] & P.T[None, :, :]
-    return RequirementAnalysis(full.T, partial.T, potential)
+    potential = P[:, None, :] & Q[None, :, :]
+    return RequirementAnalysis(full, partial, potential.transpose(1, 2, 0))
 
 
 @dataclass(frozen=True)
