@@ -31,7 +31,7 @@ from ..optimise.check import (
     kinds_of_rows,
     proves_infeasible,
 )
-from ..optimise.program import Program
+from ..optimise.program import ROUNDING, Program
 from ..optimise.scaling import scaled, scaling
 from ..optimise.settle import settle
 from ..optimise.solvers import Options, highs, solvers
@@ -186,8 +186,7 @@ class _System:
         """Whether no point satisfies `members`; ``None`` if it was not found out."""
         if self.time_is_up:
             return None
-        rows = members[: self.own.n_rows]
-        if (rows & (self.own.row_lower > self.own.row_upper)).any():
+        if self._contradicts_itself(members):
             return True
         self._restrict(members)
         self._highs.setOptionValue("time_limit", max(self.deadline - time.perf_counter(), 0.0))
@@ -207,6 +206,13 @@ class _System:
             return None if point.wrong or point.violation > TINY else False
         return None
 
+    def _contradicts_itself(self, members: Bools) -> bool:
+        """Whether a row among `members` cannot hold, whatever the variables are."""
+        lower, upper = self.own.row_lower, self.own.row_upper
+        is_empty = np.diff(self.own.matrix.indptr) == 0
+        wrong = (lower > upper) | is_empty & (np.maximum(lower, -upper) > ROUNDING)
+        return bool((wrong & members[: self.own.n_rows]).any())
+
     def part(self, members: Bools) -> Program:
         """The program with `members` alone."""
         program = self.own
@@ -222,7 +228,7 @@ class _System:
     def certifies(self, members: Bools) -> bool:
         """Whether it is beyond HiGHS' word that no point satisfies `members`."""
         part = self.part(members).with_whole_bounds()
-        if (part.lower > part.upper).any() or (part.row_lower > part.row_upper).any():
+        if self._contradicts_itself(members) or (part.lower > part.upper).any():
             return True
         if not part.integer.any():
             ray = highs.infeasible_ray(scaled(part, scaling(part)), Options())

@@ -125,10 +125,7 @@ def row_misses(program: Program, x: Floats) -> tuple[Floats, Floats]:
         return missed, np.zeros_like(missed)
     whole, decimal = kinds_of_rows(program)
     terms = np.abs(program.matrix) @ np.abs(x)
-    sides = np.maximum(
-        np.where(np.isfinite(program.row_lower), np.abs(program.row_lower), 0.0),
-        np.where(np.isfinite(program.row_upper), np.abs(program.row_upper), 0.0),
-    )
+    sides = _largest_end(program.row_lower, program.row_upper)
     size = sides.copy()
     rows = np.repeat(np.arange(program.n_rows), np.diff(program.matrix.indptr))
     np.fmax.at(size, rows, np.abs(program.matrix.data))
@@ -153,6 +150,8 @@ def is_badly_scaled(program: Program) -> bool:
         bounds = np.maximum(np.abs(program.lower), np.abs(program.upper))
         reach = np.where(program.integer & np.isfinite(bounds), np.maximum(bounds, 1.0), 1.0)
         np.maximum.at(high, rows, (size * reach[program.matrix.indices])[size > 0])
+        # Some solvers' tolerances are relative to the side.
+        high = np.maximum(high, _largest_end(program.row_lower, program.row_upper))
         limits += list(zip(low, high, strict=True))
     costs = np.abs(program.cost[program.cost != 0])
     if costs.size:

@@ -1,4 +1,7 @@
-"""K-means by scikit-learn: seeded, from a start that random swaps have improved, on one thread."""
+"""K-means: seeded, by random swaps in machine code; what is left to do, by scikit-learn on one thread.
+
+That is all of it without numba, and next to never anything with it: scikit-learn is loaded then.
+"""
 
 from __future__ import annotations
 
@@ -38,23 +41,18 @@ def k_means(locations: Floats, k: int, seed: int) -> Ints:
 
 
 def _settled(locations: Floats, centres: Floats) -> Ints | None:
-    """The labels, if `centres` are the means of those nearest to them, and none is as near to two.
+    """The labels, if `centres` are the means of those nearest to them: Lloyd's algorithm ends there.
 
-    Lloyd's algorithm, by whatever arithmetic, has nothing to change there.
+    Of centres that are as near, the first: rounding decides nothing.
     """
     far = ((locations[:, None] - centres) ** 2).sum(axis=2)
-    labels: Ints = far.argmin(axis=1)
+    labels: Ints = (far <= far.min(axis=1, keepdims=True) + SURE).argmax(axis=1)
     count = np.bincount(labels, minlength=len(centres))
     if not count.all():
         return None
     sums = [np.bincount(labels, axis, len(centres)) for axis in locations.T]
-    if not np.allclose(np.stack(sums, axis=1) / count[:, None], centres, rtol=0.0, atol=SURE):
-        return None
-    if len(centres) > 1:
-        nearest, second = np.partition(far, 1, axis=1)[:, :2].T
-        if not (second - nearest > SURE).all():
-            return None
-    return labels
+    are_means = np.abs(np.stack(sums, axis=1) / count[:, None] - centres).max() <= SURE
+    return labels if are_means else None
 
 
 def _start(locations: Floats, k: int, seed: int) -> Floats | None:

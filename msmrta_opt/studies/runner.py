@@ -14,13 +14,14 @@ from typing import Any
 from ..isolation import Failure, Limits, run_isolated
 from ..mission.errors import MsmrtaError
 from ..optimise import solvers
+from ..planners.support.planner import CLUSTERING
 from .ledger import Ledger
 from .perform import failed, perform
 from .record import Record
 from .runs import Run
 from .specification import Study
 
-LIBRARIES = ("networkx", "scipy.optimize", "scipy.sparse.csgraph", "sklearn.cluster")
+LIBRARIES = (*CLUSTERING, "networkx", "scipy.optimize", "scipy.sparse.csgraph")
 """What stages import when first used; loading it once for all saves most of the time."""
 WAIT_SECONDS = 0.5
 """How often another process's runs are looked at, once nothing else is left to do."""

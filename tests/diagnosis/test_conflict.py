@@ -221,6 +221,12 @@ def test_a_row_that_says_nothing_true_explains_itself() -> None:
     assert found.bounds == ()
 
 
+@pytest.mark.parametrize("side", [1e-8, 1.0])
+def test_a_row_without_variables_explains_itself_however_little_it_asks_for(side: float) -> None:
+    found = find_conflict(program([[1, 1], [0, 0]], [2, INF], 1, row_lower=[-INF, side]))
+    assert (found.rows, found.bounds, found.irreducible) == (("row 1",), (), True)
+
+
 def test_half_a_unit_is_a_conflict_in_whole_numbers() -> None:
     found = find_conflict(program([[2, 0], [1, 1]], [1, 1], 1, row_lower=[1, 0]))
     assert found.rows == ("row 0",)

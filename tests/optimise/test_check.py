@@ -181,3 +181,23 @@ def test_a_tolerance_is_no_larger_than_what_is_in_a_row() -> None:
     assert found == "row 'row 0' is missed by 2.2e+06"
     for solver in ("auto", "highs", "scip", "glpk"):
         assert solve_program(asked, solver=solver).objective == pytest.approx(-75000.2)
+
+
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip", "glpk"])
+def test_what_a_large_side_hides_from_solvers_is_no_optimum_by_their_word_alone(
+    solver: str,
+) -> None:
+    """3 units of x₂ cost 9e-4 in a row with 2e7 on its side; so 0.4 + 3e-5 is the optimum."""
+    asked = program(
+        [[1e6, -3e3, 0, 0, 0.3], [-4e6, 0, -3e-4, 30, 0]],
+        INF,
+        [0, -2e-4, 1e-5, 0, 0.4],
+        row_lower=[5249999.7, -21000068.5],
+        lower=[-2, 0, 0, -3, -2],
+        upper=[8, 3, 3, 6, 1],
+        integer=[False, True, True, False, True],
+        sense="max",
+    )
+    found = solve_program(asked, solver=solver)
+    assert found.status != "optimal" or found.objective == pytest.approx(0.40003, rel=1e-9)
+    assert found.status in ("optimal", "claimed")

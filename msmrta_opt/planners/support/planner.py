@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from ...optimise import registry
 from ...optimise.solvers import solvers
 
 RESULTS_DEPEND_ON = ("cvxpy", "highspy", "networkx", "numba", "numpy", "scikit-learn", "scipy")
-CLUSTERING = ("sklearn.cluster", "threadpoolctl", "msmrta_opt.stages.random_swap")
+CLUSTERING = ("msmrta_opt.stages.random_swap",) if find_spec("numba") else ("sklearn.cluster",)
 SOLVING = (
     *("cvxpy", "cvxpy.cvxcore.python.cppbackend", "highspy", "scipy.optimize"),
     *(f"msmrta_opt.optimise.compile.{name}" for name in ("coefficients", "fingerprint")),
