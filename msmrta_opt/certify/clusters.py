@@ -114,7 +114,7 @@ def _nearest(members: list[Cell], own: set[int], component: Ints, one: Cell) -> 
     far = isqrt((n * one[0] - row) ** 2 + (n * one[1] - col) ** 2) + 1
     first = max((row - far) // n, 0), max((col - far) // n, 0)
     square = component[first[0] : (row + far) // n + 2, first[1] : (col + far) // n + 2]
-    rows, cols = np.nonzero(np.isin(square, list(own)))
+    rows, cols = np.nonzero(np.logical_or.reduce([square == number for number in own]))
     rows, cols = rows + first[0], cols + first[1]
     minimum = int(
         ((n * rows - row) ** 2 + (n * cols - col) ** 2).argmin()

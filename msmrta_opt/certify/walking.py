@@ -83,10 +83,11 @@ def are_legal(grid: GridMap, walks: Sequence[Sequence[Cell]]) -> bool:
     n_rows, n_cols = grid.shape
     if cells.min() < 0 or rows.max() >= n_rows or cols.max() >= n_cols:
         return False
-    moves = np.abs(np.diff(cells, axis=0)).sum(axis=1)
+    width = n_cols + 1  # so that the end of a row is not beside the start of the next
+    moves = np.abs(np.diff(rows * width + cols))
     between = np.cumsum(lengths)[:-1] - 1  # from the end of a walk to the start of the next
     moves[between[(between >= 0) & (between < len(moves))]] = 1
-    return bool(grid.free[rows, cols].all() and (moves == 1).all())
+    return bool(grid.free[rows, cols].all() and ((moves == 1) | (moves == width)).all())
 
 
 def components(grid: GridMap) -> Ints:

@@ -51,7 +51,7 @@ def _route(
         walk = next(walks)
         if not walk:
             raise CheckError(f"robot {record.id}: no walk leads from {leg[-1]} to {stop.cell}")
-        leg.extend(walk[1:])
+        leg = [*leg, *walk[1:]] if len(leg) > 1 else walk
         if stop.victim is None:
             continue
         arrival = clock + (len(leg) - 1) / record.speed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msmrta_opt.certify.walking import StraightWalks, components, steps_from
+from msmrta_opt.certify.walking import StraightWalks, are_legal, components, steps_from
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.maps import grid_from_rows
 
@@ -41,3 +41,31 @@ def test_cells_have_one_number_if_flood_fill_joins_them_from_1_on_by_first_cells
                 n += 1
                 expected[tuple(zip(*steps_from(grid, (row, col)), strict=True))] = n
         np.testing.assert_array_equal(components(grid), expected)
+
+
+@pytest.mark.parametrize(
+    ("walks", "legal"),
+    [
+        ([[(0, 0), (1, 0), (2, 0), (2, 1)], [], [(0, 1), (0, 0)], [(2, 2)]], True),
+        ([[(0, 0), (0, 0)]], False),
+        ([[(0, 0), (1, 1)]], False),
+        ([[(0, 0), (2, 0)]], False),
+        ([[(0, 1), (1, 0)], [(2, 2)]], False),  # the end of a row, and the start of the next
+        ([[(0, 1), (0, 2)]], False),  # a wall
+        ([[(2, 2), (2, 3)]], False),
+        ([[(0, 0), (-1, 0)]], False),
+        ([[(2, 0), (3, 0)]], False),
+        ([[(0, 2**70)]], False),
+        ([[], []], True),
+    ],
+)
+def test_walks_are_legal_that_move_by_one_free_cell_at_a_time(
+    walks: list[list[tuple[int, int]]], legal: bool
+) -> None:
+    assert are_legal(grid_from_rows(["..@", ".@.", "..."]), walks) is legal
+
+
+def test_no_row_goes_on_in_the_next() -> None:
+    grid = grid_from_rows(["..", ".."])
+    assert not are_legal(grid, [[(0, 1), (1, 0)]])
+    assert are_legal(grid_from_rows([".", "."]), [[(0, 0), (1, 0), (0, 0)]])
