@@ -27,6 +27,8 @@ from .pairs import CONFIDENCE, SAME, Comparison, pairs_table
 from .runs import INSTANCE, contenders
 from .style import own_axes
 from .text import file_names
+from .text import number as shown
+from .winner import percent
 
 if TYPE_CHECKING:
     from ..record import Record
@@ -118,7 +120,9 @@ def policy_section(records: Iterable[Record], quality: str) -> Section:
         return Section("Policies", [])
     groups = list(found.groupby("scenario", sort=False))
     names = file_names([str(scenario) for scenario, _ in groups])
+    said = [policy_sentence(str(scenario), _compared(mine, quality)) for scenario, mine in groups]
     blocks: list[Block] = [
+        *([Words(" ".join(filter(None, said)))] if any(said) else []),
         Words(
             "Each plan is executed by each policy in the same worlds, one for each seed. A run that"
             f" serves more wins; of runs that serve the same, the one with the better"
@@ -186,6 +190,42 @@ def _compared(runs: pd.DataFrame, quality: str) -> Comparison:
         counts=True,
     )
     return Comparison(rows, quality)
+
+
+def policy_sentence(scenario: str, found: Comparison) -> str:
+    """Who wins under a scenario, by how much, and what deciding took; nothing of one contender."""
+    if len(found.contenders) < 2 or not len(found.common):
+        return ""
+    n = len(found.common)
+    served = {who: found.mean_served(who) for who in found.contenders}
+    others = sorted(set(found.contenders) - set(found.ranked), key=lambda who: -served[who])
+    order = [*found.ranked, *others]
+    pairs = {who: found.pair(order[0], who, common=True) for who in order[1:]}
+    alike = [who for who, pair in pairs.items() if not pair.wins and not pair.losses]
+    if len(alike) == len(pairs):
+        return f"Under {scenario}, all come to the same, in each of {n} runs."
+    best = min([order[0], *alike], key=found.mean_seconds)
+    second = next(who for who in order[1:] if who not in alike)
+    pair, what = pairs[second], found.metric.label
+    share, less = 100 * served[order[0]], 100 * served[second]
+    if share - less > 100 * SAME:
+        more = f"{share:.4g} % of what can be served against {less:.4g} %"
+    else:
+        more = f"as much, at a {what} {percent(pair.quality)} than that"
+    is_known = stats.binomtest(pair.wins, pair.wins + pair.losses).pvalue < 1 - CONFIDENCE
+    counted = f"better in {pair.wins}, equal in {pair.ties}, worse in {pair.losses} of {n} runs"
+    equal = [who for who in (order[0], *alike) if who != best]
+    if is_known:
+        said = f"{best} wins: it serves {more} of {second}, the next ({counted})"
+    else:
+        said = (
+            f"nobody wins: {best} and {second} differ by what may be chance; the first serves {more} of"
+            f" the second ({counted})"
+        )
+    said += f". As good and slower: {', '.join(equal)}" if equal else ""
+    seconds = found.mean_seconds(best)
+    took = "" if np.isnan(seconds) else f" Its decisions take {shown(seconds)} s a run."
+    return f"Under {scenario}, {said}.{took}"
 
 
 def _pairs(scenario: str, runs: pd.DataFrame, quality: str, name: str) -> Table | None:
@@ -256,14 +296,15 @@ def served_picture(runs: pd.DataFrame) -> Picture:
             }
         )
     data = pd.DataFrame(rows)
-    figure, ax = own_axes(6.4, 1.1 + 0.32 * len(data))
+    figure, ax = own_axes(6.4, 1.2 + 0.42 * max(len(data), 2))
     places = np.arange(len(data))
     ax.hlines(places, data["5 %"], data["95 %"], color=INK, lw=1)
     ax.hlines(places, data["from"], data["to"], color=INK, lw=4)
     ax.plot(data["mean"], places, "o", color=INK, ms=6)
     names = [f"{s}: {c}" for s, c in zip(data["scenario"], data["contender"], strict=True)]
     ax.set_yticks(places, [plain(name) for name in told_apart(names).values()], color=INK)
-    ax.invert_yaxis()
+    ax.set_ylim(len(data) - 0.5, -0.5)
+    ax.margins(x=0.04)
     ax.set_xlabel("available requirements served (%)")
     told = ", ".join(f"{name} {mean:.3g} %" for name, mean in zip(names, data["mean"], strict=True))
     return Picture(

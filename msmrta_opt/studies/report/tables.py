@@ -56,7 +56,7 @@ def instance_table(runs: pd.DataFrame) -> Table:
     first = instances[["map", "n_robots", "n_victims", "n_requirements", "n_available"]].max()
     rows = [
         {
-            "map": name,
+            "map": name or "without a name",
             "instances": len(group),
             "robots": _span(group["n_robots"]),
             "victims": _span(group["n_victims"]),
@@ -66,7 +66,7 @@ def instance_table(runs: pd.DataFrame) -> Table:
         for name, group in first.groupby("map", sort=False)
     ]
     return Table(
-        "instances", "Instances", pd.DataFrame(rows),
+        "instances", "Instances", _without_empty(pd.DataFrame(rows).replace("", None)),
         "Counts of one instance, the smallest to the largest. A requirement is available when some robot"
         " that can reach the victim has it.",
     )  # fmt: skip

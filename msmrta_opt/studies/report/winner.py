@@ -69,12 +69,12 @@ def _against(found: Comparison, best: str, second: str, where: str) -> str:
     counted = f"better on {pair.wins}, equal on {pair.ties}, worse on {pair.losses}"
     if pair.quality.is_known or pair.quality.n < 2:
         return (
-            f"{where}, {best} makes the best plans: its {what} is {_percent(pair.quality)} than that"
+            f"{where}, {best} makes the best plans: its {what} is {percent(pair.quality)} than that"
             f" of {second}, the next ({counted})"
         )
     return (
         f"{where}, nobody wins by {what}: {best} and {second} differ by what may be chance, the"
-        f" first's being {_percent(pair.quality)}, {counted}"
+        f" first's being {percent(pair.quality)}, {counted}"
     )
 
 
@@ -82,8 +82,8 @@ def _alike(pair: Pair) -> bool:
     return not pair.wins and not pair.losses
 
 
-def _percent(ratio: Ratio) -> str:
-    """The difference, with its confidence interval where there is one."""
+def percent(ratio: Ratio) -> str:
+    """By how much a ratio differs from 1, with its confidence interval where there is one."""
     change, low, high = (100 * (x - 1) for x in (ratio.mean, ratio.low, ratio.high))
     sense = -1 if change < 0 else 1
     said = f"{abs(change):.3g} % {'lower' if sense < 0 else 'higher'}"

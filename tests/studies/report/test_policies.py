@@ -11,7 +11,7 @@ from scipy import stats
 
 from msmrta_opt.mission.run_metrics import RUN_METRICS
 from msmrta_opt.studies.record import Record
-from msmrta_opt.studies.report.blocks import Table
+from msmrta_opt.studies.report.blocks import Table, Words
 from msmrta_opt.studies.report.policies import mean_of, policy_section, quantile_of, seeds_of
 
 SERVED = {"keep": [0.5, 1.0, 1.0, 0.5], "repair": [1.0] * 4}
@@ -122,3 +122,41 @@ def test_the_interval_of_a_quantile_holds_it_as_often_as_it_says(share: float) -
     below = stats.beta.cdf(share, low, n + 1 - low)
     above = stats.beta.sf(share, high, n + 1 - high)
     assert below + above - 1 >= 0.95
+
+
+def told(values: dict[str, tuple[list[float], list[float]]]) -> str:
+    """What is said of policies, each with its shares served and its total times, by seed."""
+    records = []
+    for name, (served, time) in values.items():
+        n = len(served)
+        document = {key: [2.0] * n for key in (*RUN_METRICS, "deciding_seconds")}
+        document |= {"seeds": list(range(n)), "served_share": served, "total_time": time}
+        made = replace(record("keep"), contender=name, executions_json=json.dumps(document))
+        records.append(made)
+    (words, *_) = [b for b in policy_section(records, "total_time").blocks if isinstance(b, Words)]
+    return words.text
+
+
+def test_a_sentence_says_which_policy_won_and_by_how_much() -> None:
+    keep, repair = ([0.5] * 8, [10.0] * 8), ([1.0] * 8, [30.0] * 8)
+    assert told({"keep": keep, "repair": repair}) == (
+        "Under rough, repair wins: it serves 100 % of what can be served against 50 % of keep, the next"
+        " (better in 8, equal in 0, worse in 0 of 8 runs). Its decisions take 2.00 s a run."
+    )
+
+
+def test_policies_that_differ_by_chance_or_not_at_all_are_said_to() -> None:
+    # One win of one that differs is chance; of 8 that serve the same, the faster wins.
+    one, other = ([1.0] * 8, [10.0] * 8), ([1.0] * 8, [10.0] * 7 + [20.0])
+    assert told({"keep": one, "repair": other}).startswith(
+        "Under rough, nobody wins: keep and repair differ by what may be chance; the first serves as"
+        " much, at a total time 8.3 % lower"
+    )
+    assert (
+        told({"keep": one, "repair": one})
+        == "Under rough, all come to the same, in each of 8 runs."
+    )
+    twice = ([1.0] * 8, [20.0] * 8)
+    assert "keep wins: it serves as much, at a total time 50 % lower" in told(
+        {"keep": one, "r": twice}
+    )
