@@ -44,8 +44,7 @@ NODES_OF_FREE_INTEGERS = 20_000
 """The same for the whole program, if it has integers without bounds. Where they do not suffice, it is
 not known whether it is infeasible."""
 TINY = 1e-9
-"""Share of its terms up to which a multiplier, what multipliers leave of a column, or what a row misses
-is rounding."""
+"""Share of its terms up to which a multiplier, or what multipliers leave of a column, is rounding."""
 
 
 @dataclass(frozen=True)
@@ -203,7 +202,7 @@ class _System:
             x = np.array(self._highs.getSolution().col_value) * scaling(self.own).column
             point = Point.of(self.part(members), x)
             # What only tolerances allow may be no point at all.
-            return None if point.wrong or point.violation > TINY else False
+            return None if point.wrong or point.violation > ROUNDING else False
         return None
 
     def _contradicts_itself(self, members: Bools) -> bool:

@@ -401,6 +401,24 @@ def test_what_only_tolerances_satisfy_is_no_proof_that_a_member_is_needed() -> N
     assert found.irreducible <= ("0 ≤ x[2] ≤ 1" not in found.bounds)
 
 
+def test_a_point_that_misses_a_row_by_a_part_in_a_thousand_million_proves_no_member_needed() -> (
+    None
+):
+    # With x₀ = -2, x₂ ≤ -3 by row 1, and row 0 asks for x₃ > 2, whatever x₃ is at least. But with
+    # x₂ = -2.999999 row 1 is missed by 2e-7 of its 400, and row 0 is content.
+    trial = program(
+        [[-0.03, -1e-4, -100, -0.01, -100], [-200, 0, -0.2, 0, 10], [-3, 1, 0, -1, 0]],
+        [600.0400999999999, INF, 2],
+        0,
+        row_lower=[-INF, 370.6, -INF],
+        lower=[-2, -3, -3, 0, -3],
+        upper=[-2, -1, -2, 2, -3],
+    )
+    found = find_conflict(trial)
+    assert {"row 0", "row 1"} <= set(found.rows)
+    assert found.irreducible <= ("0 ≤ x[3] ≤ 2" not in found.bounds)
+
+
 def test_the_same_program_is_always_explained_the_same() -> None:
     trial = program(np.ones((6, 4)), INF, 1, row_lower=[5, 5, 5, 6, 6, 6])
     assert len({find_conflict(trial) for _ in range(3)}) == 1
