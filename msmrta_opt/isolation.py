@@ -9,7 +9,6 @@ for the imports each time. A solver that cannot share our process has a fresh in
 from __future__ import annotations
 
 import multiprocessing
-import os
 import signal
 import sys
 import threading
@@ -18,21 +17,18 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor
 from concurrent.futures import wait as wait_for
-from contextlib import closing, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import resource_tracker
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import wait
 from types import ModuleType
-from typing import Any, Literal
+from typing import Any
 
-from . import interruption
-from .mission.errors import InputError, MsmrtaError
+from .mission.errors import InputError
+from .worker_process import END, POLL_SECONDS, serve
+from .worker_process import Failure as Failure
 
-END = None
-"""What is sent to a worker instead of a call, so that the one that goes on ends."""
-POLL_SECONDS = 0.05
-"""How often a run is looked at while it says nothing."""
 MEMORY_SECONDS = 0.1
 """How often its memory is, which takes longer to find out."""
 
@@ -43,18 +39,6 @@ Starting changes what belongs to the whole interpreter. And multiprocessing asks
 ends whenever it starts one: of two threads that ask at once, one reads the exit status and the other
 takes the end of the pipe for a status of 255.
 """
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A call that gave no result.
-
-    ``error`` is what it raised, if that was one of the package's own errors.
-    """
-
-    reason: Literal["raised", "crashed", "timed out", "out of memory", "stopped"]
-    message: str
-    error: MsmrtaError | None = None
 
 
 @dataclass(frozen=True)
@@ -89,7 +73,7 @@ class Worker:
     def __init__(self, preload: Sequence[str] | None = None) -> None:
         context = _context(preload)
         self._connection, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        self._process = context.Process(target=serve, args=(theirs,), daemon=True)
         with _processes, _as_a_plain_parent(), _without_ctrl_c():
             self._process.start()
         theirs.close()
@@ -312,7 +296,7 @@ def _as_a_plain_parent() -> Iterator[None]:
 
     A new process would run the main script again, which may come without a guard, or from standard
     input, where it cannot be found. And a worker of a cluster may itself be a daemon, which
-    multiprocessing lets have no children; these end with it, see `_end_with_parent`.
+    multiprocessing lets have no children; these end with it, see `worker_process`.
     """
     main = sys.modules["__main__"]
     config: dict[str, Any] = getattr(multiprocessing.current_process(), "_config", {})
@@ -338,86 +322,6 @@ def _without_ctrl_c() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _serve(connection: Connection) -> None:
-    """Call what the parent sends until it sends no more; run by the process of a `Worker`."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _end_with_parent()
-    with suppress(OSError):
-        os.dup2(2, 1)  # the parent's standard output is for its own results
-    with closing(connection):
-        while True:
-            try:
-                asked = connection.recv()
-                if asked is END:  # of a call that has ended
-                    continue
-                function, arguments = asked
-            except (EOFError, OSError):
-                return
-            except Exception as error:
-                result: Any = _raised(error)
-            else:
-                interruption.listen_to_parent(_seldom(connection.poll))
-                result = _result_of(function, arguments)
-            try:
-                connection.send(result)
-            except OSError:
-                return
-            except Exception as error:
-                # Pickling comes before sending, so nothing has been sent yet.
-                said = f"the result cannot be sent ({type(error).__name__}: {error})"
-                connection.send(Failure("raised", said))
-
-
-def _seldom(look: Callable[[], bool]) -> Callable[[], bool]:
-    """`look`, at most once in `POLL_SECONDS`, until it is true; solvers may ask at every step."""
-    last, found = -POLL_SECONDS, False
-
-    def looked() -> bool:
-        nonlocal last, found
-        now = time.monotonic()
-        if not found and now - last >= POLL_SECONDS:
-            last, found = now, look()
-        return found
-
-    return looked
-
-
-def _result_of(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    try:
-        return function(*arguments)
-    except MemoryError:
-        return Failure("out of memory", "the process ran out of memory")
-    except Exception as error:
-        # Whatever a user's model raises is news about that call, not the end of the others.
-        return _raised(error)
-
-
-def _raised(error: Exception) -> Failure:
-    if isinstance(error, MsmrtaError):
-        return Failure("raised", str(error), error)
-    return Failure("raised", f"{type(error).__name__}: {error}")
-
-
-def _end_with_parent() -> None:
-    """Let the end of the parent end this process, also inside a solver, where no Python runs."""
-    parent = multiprocessing.parent_process()
-    if parent is None:
-        return
-    if sys.platform == "linux":
-        import fcntl
-
-        # A pipe that hangs up sends SIGIO, whose default is to terminate.
-        flags = fcntl.fcntl(parent.sentinel, fcntl.F_GETFL)
-        fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, os.getpid())
-        fcntl.fcntl(parent.sentinel, fcntl.F_SETFL, flags | os.O_ASYNC)
-
-    def watch() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 def _resident(pid: int) -> int:

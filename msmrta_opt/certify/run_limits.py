@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from .joint_problem import Limits, service_times
 from .run_facts import Facts
-from .run_orders import CLOSE, blocked_from, stopped_at
+from .run_orders import CLOSE, blocked_from, may_stand
 
 
 def problems(facts: Facts) -> Iterator[str]:
@@ -28,10 +28,9 @@ def problems(facts: Facts) -> Iterator[str]:
         endurance = limits.endurance
         if endurance is not None and busy > float(endurance) * (1 + CLOSE) and _is_no_slower(facts):
             yield f"robot {robot} is busy for {busy:g}, beyond {float(endurance):g}"
-        last = max([last, *(d.time for d in run.decisions if d.time < stopped_at(run, robot))])
-        longest = max([1 / facts.speed[robot], *(item.time for item in run.world.services)])
-        may_stop = min(stopped_at(run, robot), blocked) <= (last + longest) * (1 + CLOSE)
-        if limits.returns and not may_stop and track.cells[-1] != facts.robots[robot].start:
+        is_back = track.cells[-1] == facts.robots[robot].start
+        services = (item.time for item in run.world.services)
+        if limits.returns and not is_back and not may_stand(run, robot, services):
             yield f"robot {robot} does not return to its start"
 
 

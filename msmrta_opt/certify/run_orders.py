@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..mission.route import Visit
@@ -112,17 +112,25 @@ def may_stop(run: Run, robot: int, victim: int, kinds: tuple[str, ...]) -> bool:
     """
     if any(event.what == "waiting" and event.robot == robot for event in run.events):
         return True
-    end = stopped_at(run, robot)
-    if math.isinf(end):
+    if math.isinf(stopped_at(run, robot)):
         return False
+    times = {(item.victim, item.kind): item.time for item in run.world.services}
+    return may_stand(run, robot, [times[victim, kind] for kind in kinds])
+
+
+def may_stand(run: Run, robot: int, services: Iterable[float]) -> bool:
+    """Whether a robot may stay where it was last.
+
+    It may if it is stopped, or a cell is blocked, by when it would have finished a step, or one of
+    `services`, so many time units long, that it began when something was last heard of it.
+    """
+    end = stopped_at(run, robot)
     track = next(track for track in run.tracks if track.robot == robot)
     step = 1 / next(drawn.speed for drawn in run.world.speeds if drawn.robot == robot)
-    times = {(item.victim, item.kind): item.time for item in run.world.services}
     last = max(
         track.times[-1],
         *(s.ended for s in run.services if s.robot == robot),
         *(decision.time for decision in run.decisions if decision.time < end),
         0.0,
     )
-    longest = max(step, *(times[victim, kind] for kind in kinds))
-    return min(end, blocked_from(run)) <= (last + longest) * (1 + CLOSE)
+    return min(end, blocked_from(run)) <= (last + max([step, *services])) * (1 + CLOSE)

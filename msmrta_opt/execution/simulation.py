@@ -19,11 +19,9 @@ import heapq
 import math
 import time as wall
 from collections import deque
-from collections.abc import Iterable
 from dataclasses import replace
 
-from ..arrays import Bools
-from ..mission.grid import Cell, GridMap
+from ..mission.grid import Cell
 from ..mission.instance import Instance, Victim
 from ..mission.plan import Plan
 from ..mission.run import (
@@ -37,11 +35,9 @@ from ..mission.run import (
     World,
 )
 from ..mission.scenario import Scenario
-from ..mission.visibility import FieldOfView
 from .body import Body, bodies_of, visits_of
+from .knowledge import Knowledge, happenings
 from .state import Blocked, Decide, Queues, RobotState, State, Task
-
-_LOST, _CHANGED, _ANNOUNCED = range(3)
 
 
 class Simulation:
@@ -69,23 +65,13 @@ class Simulation:
         decide: Decide,
         blocked: Blocked,
     ) -> None:
-        mission = plan.instance
-        self.mission, self.scenario, self.decide, self.blocked = mission, scenario, decide, blocked
+        self.scenario, self.decide, self.blocked = scenario, decide, blocked
         self.service = {(drawn.victim, drawn.kind): drawn.time for drawn in world.services}
-        self.true = mission.map.free.copy()
-        self.known = mission.map.free.copy()
-        self.version = 0
-        self._grid: tuple[int, GridMap] = (0, mission.map)
-        self.hidden = {item.victim.id: item for item in world.unknown}
-        first = [v for v in mission.victims if v.id not in self.hidden]
-        self.victims = {victim.id: victim for victim in first}
-        self._mission: tuple[int, Instance] | None = None
-        self.unserved = {victim.id: list(victim.requirements) for victim in first}
-        self.seen_from = _seen_from(mission.map, scenario.visual_field_depth, self.hidden.values())
+        self.world = Knowledge(plan.instance, world, scenario.visual_field_depth)
         self.bodies = bodies_of(plan, world)
         self.by_id = {body.robot.id: body for body in self.bodies}
         self.acts: list[tuple[float, int]] = []
-        self.happenings = _happenings(world)
+        self.happenings = happenings(world)
         self.horizon = math.inf if scenario.until is None else scenario.until
         self.at_a_time = {(table.robot, table.time) for table in scenario.lost}
         self.news: list[Event] = []
@@ -163,11 +149,10 @@ class Simulation:
             if isinstance(item, Loss):
                 self._lose(self.by_id[item.robot], now)
             elif isinstance(item, Change):
-                if bool(self.true[item.cell]) != item.free:
-                    self.true[item.cell] = item.free
+                if self.world.change(item.cell, item.free):
                     self._tell(now, "opened" if item.free else "blocked", cell=item.cell)
                     changed.append(item.cell)
-            elif item.victim.id in self.hidden:
+            elif item.victim.id in self.world.hidden:
                 self._meet(item.victim, Event(time=now, what="announced", victim=item.victim.id))
         if not changed:
             return
@@ -199,28 +184,20 @@ class Simulation:
 
     def _look(self, body: Body, now: float) -> None:
         """What a robot notices from the cell in which it stands."""
-        for ident in [v for v, cells in self.seen_from.items() if v in self.hidden]:
-            if self.seen_from[ident][body.cell]:
-                found = Event(time=now, what="found", victim=ident, robot=body.robot.id)
-                self._meet(self.hidden[ident].victim, found)
+        for victim in self.world.in_sight(body.cell):
+            found = Event(time=now, what="found", victim=victim.id, robot=body.robot.id)
+            self._meet(victim, found)
         if self.scenario.notice == "before" and self.scenario.corridors:
-            row, col = body.cell
-            n_rows, n_cols = self.true.shape
-            for cell in ((row - 1, col), (row + 1, col), (row, col - 1), (row, col + 1)):
-                if 0 <= cell[0] < n_rows and 0 <= cell[1] < n_cols:
-                    self._notice(cell, now, body.robot.id)
+            for cell in self.world.beside(body.cell):
+                self._notice(cell, now, body.robot.id)
 
     def _notice(self, cell: Cell, now: float, robot: int | None) -> None:
-        if self.known[cell] != self.true[cell]:
-            self.known[cell] = self.true[cell]
-            self.version += 1
+        if self.world.notice(cell):
             self.news.append(self._tell(now, "noticed", robot=robot, cell=cell))
 
     def _meet(self, victim: Victim, event: Event) -> None:
         """A victim that is known from now on."""
-        del self.hidden[victim.id]
-        self.victims[victim.id] = victim
-        self.unserved[victim.id] = list(victim.requirements)
+        self.world.meet(victim)
         self.events.append(event)
         self.news.append(event)
 
@@ -247,7 +224,7 @@ class Simulation:
             elif body.kind is not None and body.task is not None and body.task.victim is not None:
                 kind = body.task.served[body.kind]
                 self._serve(body, kind, now, done=True)
-                self.unserved[body.task.victim].remove(kind)
+                self.world.unserved[body.task.victim].remove(kind)
                 who = {"robot": body.robot.id, "victim": body.task.victim, "kind": kind}
                 self._tell(now, "served", **who)
                 body.kind, body.began = body.kind + 1, now
@@ -279,7 +256,7 @@ class Simulation:
         if body.kind is not None:  # the next kind of a visit
             self._until(body, body.ends[body.kind])
             return
-        while body.stuck != self.version and (body.task is not None or body.queue):
+        while body.stuck != self.world.version and (body.task is not None or body.queue):
             task = body.task or body.queue.popleft()
             if body.leg is None:
                 body.leg, body.step, body.base = self._way(body, task), 0, now
@@ -290,7 +267,7 @@ class Simulation:
                 self._hold(body, now)
             elif body.step + 1 < len(body.leg):
                 ahead = body.leg[body.step + 1]
-                if self.known[ahead]:
+                if self.world.known[ahead]:
                     body.into = ahead
                     self._until(body, body.base + (body.step + 1) / body.speed)
                     return
@@ -308,11 +285,11 @@ class Simulation:
     def _hold(self, body: Body, now: float) -> None:
         """There is no way on: the robot waits for another map, or leaves the visit out."""
         if self.blocked == "wait":
-            body.stuck = self.version
+            body.stuck = self.world.version
             return
         if body.task is not None and body.task.victim is not None:
             event = self._tell(now, "skipped", robot=body.robot.id, victim=body.task.victim)
-            once = (body.robot.id, body.task.victim, self.version)
+            once = (body.robot.id, body.task.victim, self.world.version)
             if once not in self.left_out:  # who is told so again leaves it out again
                 self.left_out.add(once)
                 self.news.append(event)
@@ -334,35 +311,20 @@ class Simulation:
         """The walk of the plan, if it begins here, or the shortest that is known; or none."""
         if task.cells and task.cells[0] == body.cell:
             planned = list(task.cells)
-            if self.blocked != "detour" or all(self.known[cell] for cell in planned[1:]):
+            if self.blocked != "detour" or all(self.world.known[cell] for cell in planned[1:]):
                 return planned
-        goal = body.robot.start if task.victim is None else self.victims[task.victim].cell
+        goal = body.robot.start if task.victim is None else self.world.victims[task.victim].cell
         if goal == body.cell:
             return [goal]
-        (walk,) = self.grid.walks([body.cell], [goal])
+        (walk,) = self.world.grid.walks([body.cell], [goal])
         return walk or None
 
     # What the policy decides
 
-    @property
-    def grid(self) -> GridMap:
-        """The map as it is known."""
-        if self._grid[0] != self.version:
-            self._grid = (self.version, replace(self.mission.map, free=self.known))
-        return self._grid[1]
-
-    def _known_mission(self) -> Instance:
-        if self._mission is None or self._mission[0] != len(self.victims):
-            known = tuple(self.victims.values())
-            same = known == self.mission.victims
-            mission = self.mission if same else self.mission.replace(victims=known)
-            self._mission = (len(known), mission)
-        return self._mission[1]
-
     def _decide(self, now: float) -> None:
         news, self.news = tuple(self.news), []
         standing = [body for body in self.bodies if not body.lost]
-        mission = self._known_mission()
+        mission = self.world.mission
         under_way = {
             (body.task.victim, kind)
             for body in standing
@@ -371,12 +333,12 @@ class Simulation:
         }
         left = {
             v: tuple(kind for kind in kinds if (v, kind) not in under_way)
-            for v, kinds in self.unserved.items()
+            for v, kinds in self.world.unserved.items()
         }
         state = State(
             time=now,
             mission=mission,
-            grid=self.grid,
+            grid=self.world.grid,
             robots=tuple(self._state_of(body, mission, now) for body in standing),
             open={v: kinds for v, kinds in left.items() if kinds},
             news=news,
@@ -407,7 +369,7 @@ class Simulation:
         if body.into is not None and body.until is not None:
             cell, free_at, walked = body.into, body.until, walked + 1
         elif body.is_serving and body.task is not None:
-            victim = self.victims[body.task.victim or 0]
+            victim = self.world.victims[body.task.victim or 0]
             times = mission.service_time | victim.service_time
             rest = sum(times[kind] for kind in body.task.served[body.kind or 0 :])
             free_at = max(now, body.began + rest)
@@ -429,25 +391,5 @@ class Simulation:
         """Give up a walk that is known to be blocked further on, or found by the robot itself."""
         if body.leg is None or body.task is None:
             return
-        if not body.task.cells or not all(self.known[c] for c in body.leg[body.step + 1 :]):
+        if not body.task.cells or not all(self.world.known[c] for c in body.leg[body.step + 1 :]):
             body.task, body.leg = replace(body.task, cells=()), None
-
-
-def _happenings(world: World) -> deque[tuple[float, int, Loss | Change | Unknown]]:
-    """What the world does, in its order."""
-    found: list[tuple[float, int, Loss | Change | Unknown]] = [
-        *((loss.time, _LOST, loss) for loss in world.lost),
-        *((change.time, _CHANGED, change) for change in world.changes),
-        *(
-            (item.announced, _ANNOUNCED, item)
-            for item in world.unknown
-            if item.announced is not None
-        ),
-    ]
-    return deque(sorted(found, key=lambda item: item[:2]))
-
-
-def _seen_from(grid: GridMap, depth: int, unknown: Iterable[Unknown]) -> dict[int, Bools]:
-    """By victim the cells from which it is seen, ``(n_rows, n_cols)``; sight is mutual."""
-    look = FieldOfView(grid, depth)
-    return {item.victim.id: look(item.victim.cell) for item in unknown}
