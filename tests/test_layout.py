@@ -104,7 +104,9 @@ def test_arrows_run_one_way() -> None:
     for module, target in arrows():
         here, there = folder_of(module), folder_of(target)
         allowed = MAY_USE.get(here, set()) | ({here} | SHARED if here in MAY_USE else set())
-        allowed |= LEAVES.get(here, set()) | (SHARED if here == "isolation" else set())
+        allowed |= LEAVES.get(here, set()) | (
+            SHARED if here in ("isolation", "worker_process") else set()
+        )
         if there not in allowed:
             wrong.append(f"{module} imports {target}")
     assert wrong == []

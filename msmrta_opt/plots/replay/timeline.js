@@ -25,7 +25,7 @@ function drawGantt(panel, scene) {
     const moves = plan.run ? robot.legs.map((leg) => [leg.begin, leg.end]) : robot.visits.length ? [[0, robot.home]] : [];
     pen.globalAlpha = 0.35;
     for (const [begin, end] of moves) pen.fillRect(time.x(begin), top + 0.36 * tall, time.x(end) - time.x(begin), 0.28 * tall);
-    for (const visit of robot.visits) {
+    for (const [k, visit] of robot.visits.entries()) {
       const x = time.x(visit.arrival), wide = Math.max(time.x(visit.departure) - x, 1.5);
       pen.globalAlpha = scene.layers.stages.has(visit.stage) ? 1 : 0.2;
       pen.fillStyle = robot.colour;
@@ -41,6 +41,11 @@ function drawGantt(panel, scene) {
         pen.fillStyle = robot.ink;
         pen.textAlign = "center";
         pen.fillText(name, x + wide / 2, middle + 0.5);
+      } else if (tall >= 12 && x + wide + 8 * name.length + 2 < freeUntil(robot, k, time)) {
+        pen.font = "11px system-ui, sans-serif";
+        pen.fillStyle = ink;
+        pen.textAlign = "left";
+        pen.fillText(name, x + wide + 2, middle + 0.5);
       }
       panel.bars.push({ x, wide, top, tall, visit });
       if (visit.cut) {
@@ -64,6 +69,12 @@ function drawGantt(panel, scene) {
   pen.strokeStyle = ink;
   pen.lineWidth = 2;
   upright(pen, time.x(scene.t), height - AXIS + 4);
+}
+
+/* Where, behind the k-th bar of a robot, the next bar or the mark of its loss is. */
+function freeUntil(robot, k, time) {
+  const next = robot.visits[k + 1], lost = typeof robot.lost === "number" ? time.x(robot.lost) - 6 : Infinity;
+  return Math.min(next ? time.x(next.arrival) : time.width, lost);
 }
 
 /* Under the rows: when cells were blocked (full) or opened (a box), and victims turned up (a disc). */

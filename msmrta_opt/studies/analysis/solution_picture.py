@@ -95,7 +95,7 @@ def plot_solution(program: Program, solution: Solution, ax: Axes | None = None) 
     if not possible.all():
         handles.append(Patch(fc=IMPOSSIBLE, label="× impossible"))
     said = dict.fromkeys(label for side in duals for label, _ in side)
-    handles += [Patch(fc="none", ec="none", label=f"dual: {shortened(name, 44)}") for name in said]
+    handles += [Patch(fc="none", ec="none", label=f"dual: {shortened(name, 52)}") for name in said]
     turned = max(width_of(str(name), 7.5) for name in columns) if _turned(columns) else 0.0
     legend_below(ax, handles, clear=max(turned - 12, 0.0))
     return ax
