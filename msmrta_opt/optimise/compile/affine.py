@@ -145,16 +145,10 @@ class Pattern:
         self._matrix = np.flatnonzero(in_rows & ~constant)
         self._there = found.number[self._matrix] != 0
         entries = self._matrix[self._there]
-        key = (found.row[entries] - 1) * n_columns + found.column[entries]
-        key, slot = np.unique(key, return_inverse=True)
-        row, column = np.divmod(key, n_columns)
-        ends = np.searchsorted(row, np.arange(n_rows + 1))
-        self._skeleton = csr_array(
-            (np.zeros(len(key)), column.astype(np.int32), ends.astype(np.int32)),
-            shape=(n_rows, n_columns),
-        )
+        places = found.row[entries] - 1, found.column[entries]
+        self._skeleton, slot = _skeleton(*places, (n_rows, n_columns))
         self.objective = _Sums(found, objective, found.column[objective], n_columns + 1)
-        self.entries = _Sums(found, entries, slot, len(key))
+        self.entries = _Sums(found, entries, slot, self._skeleton.nnz)
         self.right = _Sums(found, right, found.row[right] - 1, n_rows)
         self.rows_vary = self.entries.vary(n_parameters) or self.right.vary(n_parameters)
 
@@ -175,6 +169,21 @@ class Pattern:
             parts = (data, self._skeleton.indices, self._skeleton.indptr)
             self._skeleton = csr_array(parts, shape=self._skeleton.shape)
         return self._skeleton
+
+
+def _skeleton(row: Ints, column: Ints, shape: tuple[int, int]) -> tuple[csr_array, Ints]:
+    """A matrix of zeros with an entry at each of these places, and which entry is whose."""
+    slot = np.arange(len(row))
+    once = csr_array((slot, (row, column)), shape=shape)
+    if once.nnz == len(row):
+        slot[once.data] = np.arange(len(row))
+        indices, ends = once.indices, once.indptr
+    else:  # some places are the same
+        key, slot = np.unique(row * shape[1] + column, return_inverse=True)
+        rows, indices = np.divmod(key, shape[1])
+        ends = np.searchsorted(rows, np.arange(shape[0] + 1))
+    parts = np.zeros(len(indices)), indices.astype(np.int32), ends.astype(np.int32)
+    return csr_array(parts, shape=shape), slot
 
 
 class _Rows:
