@@ -105,8 +105,15 @@ class _Compiled:
     def walks(self, starts: Cells, goals: Cells) -> list[list[Cell]]:
         ends = self.index(starts), self.index(goals)
         walked, last = self.walker.walks(self.cells, self.width, *ends)
-        rows, cols = np.divmod(walked, self.width)
-        cells = list(zip((rows - 1).tolist(), cols.tolist(), strict=True))
+        is_used = np.zeros(len(self.cells), bool)
+        is_used[walked] = True
+        used = np.flatnonzero(is_used)
+        rows, cols = np.divmod(used, self.width)
+        pairs = zip((rows - 1).tolist(), cols.tolist(), strict=True)
+        # A cell is one object, however many walks lead over it.
+        cell = np.empty(len(self.cells), object)
+        cell[used] = np.fromiter(pairs, object, len(used))
+        cells = cell[walked].tolist()
         bounds = [0, *last.tolist()]
         return [cells[a:b] for a, b in pairwise(bounds)]
 

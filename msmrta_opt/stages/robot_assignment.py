@@ -43,14 +43,15 @@ def robot_assignment(
         bid, is updated after each.
     """
     cells, (ends, _) = situation.cells, situation.after(stops)
-    sealed = _lowest_bids(situation, ends, remaining) if options.award == "sealed" else None
-    bids = situation.distances.between(ends, cells) if sealed is None else None
+    sealed = options.award == "sealed"
+    lowest = _lowest_bids(situation, ends, remaining).tolist() if sealed else []
+    bids = None if sealed else situation.distances.between(ends, cells)
     awarded: list[Stop] = []
     for v in np.flatnonzero(remaining.any(axis=1)).tolist():
         announced = kinds(remaining[v])
-        if sealed is not None:
-            winners = sealed[v, list(announced)].tolist()
-        elif bids is not None:
+        if bids is None:
+            winners = [lowest[v][k] for k in announced]
+        else:
             winners = _in_turn(bids[:, v], situation.able[:, v], announced)
         won: dict[int, list[int]] = {}
         for k, robot in zip(announced, winners, strict=True):
