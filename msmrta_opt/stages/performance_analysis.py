@@ -41,17 +41,20 @@ def performance_analysis(
     """
     instance = situation.instance
     ends, busy = situation.after(stops)
-    does = situation.able & remaining
-    shared = instance.P.astype(int) @ (instance.Q & remaining).T.astype(int)
+    left = instance.Q & remaining
+    shared = instance.P.astype(int) @ left.T.astype(int)
     can_serve = situation.reach & (shared > 0)
     n_capabilities = np.maximum(instance.P.sum(axis=1), 1)
-    lost = ~instance.P[:, None, :] * (instance.service * remaining)[None, :, :]
     record = lost_so_far(situation, stops)
     if options.performance == "pair":
         travel = situation.distances.between(ends, instance.cells) / instance.speed[:, None]
-        service = (does * instance.service).sum(axis=2)
+        # Robots with the same capabilities serve the same, and leave the same to others.
+        first, like = _alike(instance.P)
+        has = instance.P[first][:, None, :]
+        service = ((has & left) * instance.service).sum(axis=2)[like]
+        lost = (~has * (instance.service * remaining)).sum(axis=2)[like]
         success = busy[:, None] + travel + service
-        failure = (lost.sum(axis=2) + record[:, None]) / n_capabilities[:, None]
+        failure = (lost + record[:, None]) / n_capabilities[:, None]
     else:
         largest = np.zeros(instance.n_robots)
         for stop in stops:
@@ -75,6 +78,14 @@ def performance_analysis(
         },
         around=situation.around(ends),
     )
+
+
+def _alike(P: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:  # noqa: N803
+    """The first robot of each set of capabilities, and the position among these of each robot's."""
+    found: dict[bytes, int] = {}
+    like = [found.setdefault(row.tobytes(), r) for r, row in enumerate(P)]
+    first = np.array(list(found.values()), dtype=np.int64)
+    return first, np.searchsorted(first, like)
 
 
 def lost_so_far(situation: Situation, stops: Sequence[Stop]) -> NDArray[np.float64]:
