@@ -60,7 +60,8 @@ def _lloyd(
                         nearest, shortest = c, square
             else:
                 nearest, shortest = own, minimum[i]
-                for c in movers[:n_movers]:
+                for m in range(n_movers):  # a slice for each point would take longer
+                    c = movers[m]
                     dx, dy = x - centres[c, 0], y - centres[c, 1]
                     square = dx * dx + dy * dy
                     if square < shortest or (square == shortest and c < nearest):
