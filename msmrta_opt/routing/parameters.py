@@ -119,7 +119,8 @@ class BranchAndCutParameters:
     many_robots: Count = 6
     """Robots from which on fix-and-optimise comes before the tree."""
     restricted_share: Share = 0.3
-    """Share of the time left for the restricted program where there are fewer."""
+    """Share of the time left for the restricted program where there are fewer; it takes no longer than
+    all before it."""
     incumbent_share: Share = 0.85
     """Share of the time left for fix-and-optimise where there are as many."""
     incumbent_seconds: NonNegative = 60.0

@@ -57,7 +57,9 @@ class IncumbentSearch:
             self.fix_and_optimise(solve)
         else:
             progress.begin("restricted program")
-            self.restricted(-math.inf, tuning.restricted_share * progress.left())
+            # A tree over all columns, too, is often soon done where so little was to be done so far.
+            seconds = min(tuning.restricted_share * progress.left(), progress.spent())
+            self.restricted(-math.inf, seconds)
 
     def polish(self) -> None:
         """Ruin and recreate, with robots only where the relaxation or the incumbent has them go.

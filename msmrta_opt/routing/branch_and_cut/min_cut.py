@@ -15,6 +15,9 @@ Kobeaga, Rojas-Delgado, Merino and Lozano, Annals of Operations Research (2021).
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from functools import cache
+
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_flow
@@ -82,6 +85,22 @@ def capacities(weight: Floats) -> Ints:
 
 def sides(capacity: Ints, source: int, sink: int) -> tuple[Bools, Bools]:
     """Vertices on the source's side of the first, and on the sink's of the last minimum cut."""
+    near, far = _solver()(np.ascontiguousarray(capacity), source, sink)
+    return near, far
+
+
+@cache
+def _solver() -> Callable[..., Iterable[Bools]]:
+    """Compiled, where numba is there."""
+    try:
+        from .compiled_cut import sides as compiled
+    except ImportError:
+        return sides_by_scipy
+    return compiled
+
+
+def sides_by_scipy(capacity: Ints, source: int, sink: int) -> tuple[Bools, Bools]:
+    """As `sides`, by SciPy."""
     tail, head = np.nonzero(capacity)
     begin = np.searchsorted(tail, np.arange(len(capacity) + 1)).astype(np.int32)
     graph = csr_array((capacity[tail, head], head.astype(np.int32), begin), shape=capacity.shape)

@@ -104,8 +104,11 @@ def search_by_scip(
         needscons=False,
     )
     model.includeEventhdlr(_Watch(shared, ask, limit), "watch", "asks whether to stop")
+    # Gomory cuts and probing take longer than what they spare: the root's connectivity cuts are known.
     model.setParams(
         {
+            "separating/gomory/freq": -1,
+            "propagating/probing/maxprerounds": 0,
             "limits/time": min(stop.seconds_left(), _INFINITE),
             "randomization/randomseedshift": seed,
             "timing/clocktype": 2,

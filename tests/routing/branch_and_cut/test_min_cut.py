@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import combinations, pairwise
+import importlib.util
+from collections.abc import Callable, Iterator
+from itertools import chain, combinations, pairwise
 
 import numpy as np
 import pytest
@@ -10,7 +12,10 @@ from numpy.random import Generator
 from scipy.sparse.csgraph import connected_components
 from support.amounts import sample
 
-from msmrta_opt.routing.branch_and_cut.min_cut import capacities, components, merged, sides
+from msmrta_opt.routing.branch_and_cut import min_cut
+from msmrta_opt.routing.branch_and_cut.min_cut import capacities, components, merged
+
+Sides = Callable[[np.ndarray, int, int], tuple[np.ndarray, np.ndarray]]
 
 N = 7
 """Vertices; the last two are the ends, which are never merged."""
@@ -43,15 +48,25 @@ def _leaving(weight: np.ndarray, inside: tuple[int, ...]) -> float:
 
 def _least_cut(weight: np.ndarray, source: int, sink: int) -> float:
     others = [v for v in range(len(weight)) if v not in (source, sink)]
-    return min(
-        _leaving(weight, (source, *some))
-        for size in range(len(others) + 1)
-        for some in combinations(others, size)
-    )
+    return min(_leaving(weight, (source, *some)) for some in _subsets(others))
+
+
+def _subsets(vertices: list[int]) -> Iterator[tuple[int, ...]]:
+    return chain.from_iterable(combinations(vertices, n) for n in range(len(vertices) + 1))
+
+
+@pytest.fixture(params=["numba", "scipy"])
+def sides(request: pytest.FixtureRequest) -> Sides:
+    """`min_cut.sides`, with numba and without."""
+    if request.param == "scipy":
+        return min_cut.sides_by_scipy
+    if importlib.util.find_spec("numba") is None:
+        pytest.skip("numba is not installed")
+    return min_cut.sides
 
 
 @pytest.mark.parametrize("seed", sample(range(60), 12))
-def test_both_sides_are_minimum_cuts_the_smallest_from_either_end(seed: int) -> None:
+def test_both_sides_are_minimum_cuts_the_smallest_from_either_end(seed: int, sides: Sides) -> None:
     rng = np.random.default_rng(seed)
     weight = _graph(rng)
     source, sink = (int(v) for v in rng.choice(N, 2, replace=False))
@@ -62,6 +77,11 @@ def test_both_sides_are_minimum_cuts_the_smallest_from_either_end(seed: int) -> 
     assert not (near & far).any()
     for side in (near, far):
         assert _leaving(weight, tuple(np.flatnonzero(side))) == pytest.approx(minimum)
+    # Of all minimum cuts, these are within every other.
+    for some in _subsets([v for v in range(N) if v not in (source, sink)]):
+        if _leaving(weight, (source, *some)) == pytest.approx(minimum):
+            assert set(np.flatnonzero(near)) <= {source, *some}
+            assert not set(np.flatnonzero(far)) & {source, *some}
 
 
 @pytest.mark.parametrize("seed", sample(range(60), 12))
