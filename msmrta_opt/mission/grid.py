@@ -230,7 +230,7 @@ class DistanceTable:
     def between(self, sources: Sequence[Cell], targets: Sequence[Cell]) -> Floats:
         """Distances in cells, shape ``(len(sources), len(targets))``."""
         try:
-            columns = [self._index[cell] for cell in targets]
+            columns = np.array([self._index[cell] for cell in targets], dtype=np.int64)
         except KeyError:
             return self.grid.between(sources, targets)
         new = [cell for cell in dict.fromkeys(sources) if cell not in self._rows]

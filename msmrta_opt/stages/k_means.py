@@ -45,7 +45,8 @@ def _settled(locations: Floats, centres: Floats) -> Ints | None:
 
     Of centres that are as near, the first: rounding decides nothing.
     """
-    far = ((locations[:, None] - centres) ** 2).sum(axis=2)
+    down, right = (locations[:, None, axis] - centres[:, axis] for axis in (0, 1))
+    far = down * down + right * right
     labels: Ints = (far <= far.min(axis=1, keepdims=True) + SURE).argmax(axis=1)
     count = np.bincount(labels, minlength=len(centres))
     if not count.all():
