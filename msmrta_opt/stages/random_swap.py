@@ -15,10 +15,45 @@ import numpy as np
 from ..arrays import Bools, Floats, Ints
 from ..compiled import inlined, kernel
 
+FEW = 32
+"""Centres up to which it is not worth while to find the neighbours of each."""
+MARGIN = 1e-9
+"""By which a square is larger than what no rounding makes it."""
 MANY = 4
 """From one part of so many of the centres on, all are looked at."""
 TRIAL, LONGEST = 3, 300
 """Iterations of Lloyd's algorithm after a swap, and of one that is followed to its end."""
+
+
+@inlined
+def _neighbours(
+    points: Floats, centres: Floats, labels: Ints, minimum: Floats, moved: Bools, near: Ints
+) -> Ints:
+    """To which centres points may go from each: lists in `near`, one after the other; where they begin.
+
+    From a centre that has not moved, points go only to one that has, and by the triangle inequality no
+    farther than twice as far as its farthest point is from it. What `minimum` says of centres that have
+    moved is brought up to date.
+    """
+    k, n = len(centres), 0
+    widest, begins = np.zeros(k), np.empty(k + 1, np.int64)
+    for i in range(len(points)):
+        own = labels[i]
+        if own >= 0:
+            if moved[own]:
+                dx, dy = points[i, 0] - centres[own, 0], points[i, 1] - centres[own, 1]
+                minimum[i] = dx * dx + dy * dy
+            widest[own] = max(widest[own], minimum[i])
+    for own in range(k):
+        begins[own] = n
+        limit = 4 * widest[own] * (1 + MARGIN) + MARGIN
+        for c in range(k):
+            if (moved[own] or moved[c]) and c != own:
+                dx, dy = centres[c, 0] - centres[own, 0], centres[c, 1] - centres[own, 1]
+                near[n] = c
+                n += dx * dx + dy * dy <= limit
+    begins[k] = n
+    return begins
 
 
 @inlined
@@ -39,19 +74,24 @@ def _lloyd(
     with its first iteration.
     """
     total = np.inf
-    movers = np.empty(len(centres), np.int64)
+    few = len(centres) <= FEW
+    near = np.empty(len(centres) if few else len(centres) ** 2, np.int64)
+    begins = np.empty(0, np.int64)
     for iteration in range(iterations):
         sums, count = np.zeros_like(centres), np.zeros(len(centres), np.int64)
         changed, total, longest, farthest = is_fresh and iteration == 0, 0.0, -1.0, 0
-        n_movers = 0
-        for c in range(len(centres)):
-            if moved[c]:
-                movers[n_movers] = c
-                n_movers += 1
-        every = MANY * n_movers > len(centres)  # not worth a look at each
+        n_movers, every = 0, False
+        if few:
+            for c in range(len(centres)):
+                if moved[c]:
+                    near[n_movers] = c
+                    n_movers += 1
+            every = MANY * n_movers > len(centres)  # not worth a look at each
+        else:
+            begins = _neighbours(points, centres, labels, minimum, moved, near)
         for i in range(len(points)):
             own, x, y = labels[i], points[i, 0], points[i, 1]
-            if every or own < 0 or moved[own]:
+            if every or own < 0 or (few and moved[own]):
                 nearest, shortest = 0, np.inf
                 for c in range(len(centres)):
                     dx, dy = x - centres[c, 0], y - centres[c, 1]
@@ -60,8 +100,9 @@ def _lloyd(
                         nearest, shortest = c, square
             else:
                 nearest, shortest = own, minimum[i]
-                for m in range(n_movers):  # a slice for each point would take longer
-                    c = movers[m]
+                first, last = (0, n_movers) if few else (begins[own], begins[own + 1])
+                for m in range(first, last):  # a slice for each point would take longer
+                    c = near[m]
                     dx, dy = x - centres[c, 0], y - centres[c, 1]
                     square = dx * dx + dy * dy
                     if square < shortest or (square == shortest and c < nearest):

@@ -75,3 +75,16 @@ def test_victims_on_one_cell_are_together_where_each_cell_can_have_a_cluster() -
 def test_few_victims_make_few_clusters(n: int, k: int) -> None:
     labels = k_means(np.arange(2.0 * n).reshape(n, 2), k, 0)
     assert len(set(labels.tolist())) == k
+
+
+@pytest.mark.parametrize("k", [1, 12, 33, 80])
+@pytest.mark.parametrize("seed", range(3))
+def test_points_are_with_the_nearest_centre_and_centres_are_the_means_of_their_points(
+    k: int, seed: int
+) -> None:
+    centres = pytest.importorskip("msmrta_opt.stages.random_swap").centres
+    points = np.random.RandomState(seed).random_sample((300, 2)) * 100
+    found = centres(points, k, 40, seed)
+    labels = ((points[:, None] - found) ** 2).sum(axis=2).argmin(axis=1)
+    means = [points[labels == c].mean(axis=0) for c in range(k)]
+    np.testing.assert_allclose(found, means, atol=1e-9)
