@@ -60,6 +60,7 @@ def show_map(
         made = read_floor_map(file, **options)
         floor, grid = made.floor, made.grid
         n_rows, n_cols = floor.state.shape
+        off_centre = grid.frame.off_centre if grid.frame is not None else ()
         rows += [
             ("pixels", f"{rows_by_columns((n_rows, n_cols))} of {floor.resolution:g} m"),
             (
@@ -72,6 +73,7 @@ def show_map(
                 f"{made.area:.2f} m² in {made.n_regions} region{'s' * (made.n_regions != 1)}",
             ),
             ("left out by the cells", f"{made.left_out:.2f} m²"),
+            ("cells with poses off the centre", str(len(off_centre))),
         ]
         facts = {
             "pixels": [n_rows, n_cols],
@@ -80,6 +82,7 @@ def show_map(
             "area": made.area,
             "area_regions": made.n_regions,
             "left_out": made.left_out,
+            "off_centre": len(off_centre),
         }
     else:
         grid = read_map_file(file, **options)

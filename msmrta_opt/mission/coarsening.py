@@ -8,6 +8,9 @@ Cells are then blocked until the grid promises no walk that there is not: of two
 whose pieces no pixel leads straight to the other, the smaller gives way. Last, of every region of the
 floor only the largest part is kept that the cells connect. So two free cells are connected on the grid
 if and only if their pieces are on the floor, and every move of the grid stays within its two cells.
+
+A robot in a free cell stands at its centre if it fits there, and else on the pixel of the cell's piece
+that is nearest to the centre.
 """
 
 from __future__ import annotations
@@ -110,7 +113,8 @@ def coarsen(
         )
     kept = chosen & free[np.ix_(rows, cols)]
     pixel = floor.resolution**2
-    frame = Frame(cell_size, floor.origin, shape[0])
+    off_centre = _off_centre(kept, free, rows, cols, floor.resolution, cell_size)
+    frame = Frame(cell_size, floor.origin, shape[0], off_centre)
     return Coarsening(
         floor=floor,
         grid=GridMap(free, name=floor.name, source=floor.source, frame=frame),
@@ -149,10 +153,14 @@ def _fits(floor: Occupancy, radius: float, unknown: Unknown) -> Bools:
 def _cells(n_pixels: int, resolution: float, cell_size: float) -> Ints:
     """The cell in which each pixel's centre lies, counted from 0, ``(n_pixels,)``."""
     pixels = np.arange(n_pixels)
+    ratio = _ratio(resolution, cell_size)
+    return pixels // int(ratio) if ratio.is_integer() else ((pixels + 0.5) / ratio).astype(np.intp)
+
+
+def _ratio(resolution: float, cell_size: float) -> float:
+    """Pixels along a cell's side."""
     ratio = cell_size / resolution
-    if abs(ratio - round(ratio)) < 1e-6 * ratio:
-        return pixels // round(ratio)
-    return ((pixels + 0.5) / ratio).astype(np.intp)
+    return float(round(ratio)) if abs(ratio - round(ratio)) < 1e-6 * ratio else ratio
 
 
 def _labelled(fits: Bools) -> tuple[NDArray[np.int32], int]:
@@ -264,3 +272,39 @@ def _largest_parts(free: Bools, region: Ints) -> Bools:
     largest[region_of[order]] = order
     kept: Bools = (parts > 0) & (parts == largest[region])
     return kept
+
+
+def _off_centre(
+    kept: Bools, free: Bools, rows: Ints, cols: Ints, resolution: float, cell_size: float
+) -> tuple[tuple[int, int, float, float], ...]:
+    """The free cells at whose centre no robot stands, and where one does, as `Frame` has it.
+
+    A centre on the border of pixels is among the cell's piece only if all of them are.
+    """
+    ratio = _ratio(resolution, cell_size)
+    up = len(rows) - 0.5 - np.arange(len(rows))  # of the centres of pixels, in pixels
+    along = np.arange(len(cols)) + 0.5
+    centre_up = (free.shape[0] - 0.5 - np.arange(free.shape[0])) * ratio
+    centre_along = (np.arange(free.shape[1]) + 0.5) * ratio
+    padded = np.pad(kept, 1)  # what is beyond the image is no piece of it
+    at_centre = np.ones_like(free)
+    for side in (-1e-6, 1e-6):
+        row = np.clip(len(rows) - np.floor(centre_up + side), 0, len(rows) + 1).astype(np.intp)
+        for other in (-1e-6, 1e-6):
+            col = np.clip(np.floor(centre_along + other) + 1, 0, len(cols) + 1).astype(np.intp)
+            at_centre &= padded[np.ix_(row, col)]
+    moved = free & ~at_centre
+    candidates = kept & moved[np.ix_(rows, cols)]
+    from_up, from_along = up - centre_up[rows], along - centre_along[cols]
+    # Rounded, so that equal distances stay equal: of such pixels the first is taken, row by row.
+    distance = (from_up[:, None] ** 2 + from_along**2).round(6)
+    distance[~candidates] = np.inf
+    nearest = np.minimum.reduceat(distance, _firsts(rows), axis=0)
+    nearest = np.minimum.reduceat(nearest, _firsts(cols), axis=1)
+    found: dict[tuple[int, int], tuple[float, float]] = {}
+    # A pixel's centre on the border of two cells is kept within its own.
+    limit = ratio / 2 * (1 - 1e-6)
+    for i, j in np.argwhere(candidates & (distance == nearest[np.ix_(rows, cols)])).tolist():
+        offset = np.clip([from_along[j], from_up[i]], -limit, limit) * resolution
+        found.setdefault((int(rows[i]), int(cols[j])), tuple(offset.round(9).tolist()))
+    return tuple((*cell, *offset) for cell, offset in sorted(found.items()))

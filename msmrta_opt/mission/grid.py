@@ -91,19 +91,32 @@ class GridMap:
         """Whether `cell` lies on the map and is free."""
         return self.contains(cell) and bool(self.free[cell])
 
-    def nearest_free(self, cell: Cell) -> Cell | None:
-        """The free cell nearest to `cell` as the crow flies; of equal ones the first, row by row."""
-        free = np.argwhere(self.free)
-        if not len(free):
+    def nearest_free(self, spot: tuple[float, float]) -> Cell | None:
+        """The free cell nearest to `spot` as the crow flies; of equal ones the first, row by row.
+
+        Parameters
+        ----------
+        spot : (row, col)
+            A cell, or a point between centres of cells as `Frame.spot` has it. Distances are those to
+            where robots stand.
+        """
+        if not self.free.any():
             return None
-        row, col = free[((free - cell) ** 2).sum(axis=1).argmin()].tolist()
+        stands = np.moveaxis(np.indices(self.shape, dtype=float), 0, -1).copy()
+        if self.frame is not None and self.frame.off_centre:
+            rows, cols, along, up = np.array(self.frame.off_centre).T
+            moved = np.stack([-up, along], axis=-1) / self.frame.cell_size
+            stands[rows.astype(int), cols.astype(int)] += moved
+        # Rounded, so that equal distances stay equal.
+        distances = ((stands[self.free] - spot) ** 2).sum(axis=1).round(9)
+        row, col = np.argwhere(self.free)[distances.argmin()].tolist()
         return row, col
 
-    def trouble(self, cell: Cell) -> str:
-        """Where a cell lies that is not free, and which one nearby is, in words."""
+    def trouble(self, cell: Cell, spot: tuple[float, float] | None = None) -> str:
+        """Where a cell lies that is not free, and which one near it, or `spot` in it, is, in words."""
         outside = f"outside the map of {rows_by_columns(self.shape)}"
         place = "in a wall" if self.contains(cell) else outside
-        nearest = self.nearest_free(cell)
+        nearest = self.nearest_free(cell if spot is None else spot)
         if nearest is None:
             return place
         place += f"; the nearest free cell is {list(nearest)}"

@@ -18,6 +18,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
+from .counting import rows_by_columns
 from .errors import InputError, at, shown
 from .frame import Frame
 from .grid import GridMap
@@ -42,13 +43,45 @@ class _Floor(BaseModel):
     resolution: Length | None = None
 
 
+def _four(value: object) -> object:
+    if not isinstance(value, (list, tuple)) or len(value) != 4:
+        raise InputError(f"{shown(value)}; give [row, col, along, up], the last two in metres")
+    return value
+
+
+Place = Annotated[int, Field(strict=True, ge=0)]
+OffCentre = Annotated[tuple[Place, Place, Coordinate, Coordinate], BeforeValidator(_four)]
+"""A cell, and how far from its centre a robot stands: along and up the map, in metres."""
+
+
 class _Frame(BaseModel):
-    """Where the cells lie in the world; see `Frame`."""
+    """Where the cells lie in the world, and which robots stand beside a centre; see `Frame`."""
 
     model_config = ConfigDict(extra="forbid")
 
     cell_size: Length
     origin: Origin
+    off_centre: tuple[OffCentre, ...] = ()
+
+    def check(self, grid: GridMap) -> None:
+        """Refuse what is not in a cell of `grid`, and a cell given twice."""
+        seen: set[tuple[int, int]] = set()
+        for i, (row, col, along, up) in enumerate(self.off_centre):
+            where = at("off_centre", i)
+            if not grid.contains((row, col)):
+                raise InputError(
+                    f"[{row}, {col}] is outside the map of {rows_by_columns(grid.shape)}",
+                    field=where,
+                )
+            if (row, col) in seen:
+                raise InputError(f"[{row}, {col}] is given twice", field=where)
+            if not max(abs(along), abs(up)) < self.cell_size / 2:
+                raise InputError(
+                    f"[{along:g}, {up:g}] is not in the cell; give less than half of "
+                    f"cell_size, {self.cell_size:g}",
+                    field=where,
+                )
+            seen.add((row, col))
 
 
 class _Position(BaseModel):
@@ -79,7 +112,13 @@ def load_map(value: object, folder: Path) -> GridMap:
             if value.get("frame") is None:
                 return grid
             frame = _validated(_Frame, value["frame"], "frame")
-            return replace(grid, frame=Frame(frame.cell_size, frame.origin, len(rows)))
+            try:
+                frame.check(grid)
+            except InputError as error:
+                raise said_of("frame", error) from None
+            return replace(
+                grid, frame=Frame(frame.cell_size, frame.origin, len(rows), frame.off_centre)
+            )
     if isinstance(value, Mapping) and {"file"} <= set(value) <= {"file", *OPTIONS}:
         floor = _validated(_Floor, value, "")
         return read_map_file(
@@ -135,9 +174,8 @@ def cells_of_positions(document: Any, context: dict[str, Any]) -> Any:
             )
         cell = grid.frame.cell(position.x, position.y)
         if not grid.is_free(cell):
-            raise InputError(
-                f"x {position.x:g}, y {position.y:g} is {grid.trouble(cell)}", field=where
-            )
+            trouble = grid.trouble(cell, grid.frame.spot(position.x, position.y))
+            raise InputError(f"x {position.x:g}, y {position.y:g} is {trouble}", field=where)
         members[i] = {**members[i], field: cell}
     return changed
 
@@ -158,7 +196,13 @@ def _dump(grid: GridMap) -> dict[str, Any]:
     rows = {"rows": list(grid.rows)}
     if grid.frame is None:
         return rows
-    return rows | {"frame": {"cell_size": grid.frame.cell_size, "origin": list(grid.frame.origin)}}
+    frame: dict[str, Any] = {
+        "cell_size": grid.frame.cell_size,
+        "origin": list(grid.frame.origin),
+    }
+    if grid.frame.off_centre:
+        frame["off_centre"] = [list(entry) for entry in grid.frame.off_centre]
+    return rows | {"frame": frame}
 
 
 MapField = Annotated[

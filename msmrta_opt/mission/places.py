@@ -94,7 +94,7 @@ def cell_of(values: Mapping[str, str], grid: GridMap, *, snap: float = 0.0) -> C
     grid : GridMap
         The map; it needs a frame for metres.
     snap : float
-        Metres by which a place in a wall may be moved, to the nearest free cell's centre.
+        Metres by which a place in a wall may be moved, to where a robot in the nearest free cell stands.
 
     Raises
     ------
@@ -115,8 +115,9 @@ def cell_of(values: Mapping[str, str], grid: GridMap, *, snap: float = 0.0) -> C
     cell = grid.frame.cell(x, y)
     if grid.is_free(cell):
         return cell
-    trouble = grid.trouble(cell)
-    nearest = grid.nearest_free(cell)
+    spot = grid.frame.spot(x, y)
+    trouble = grid.trouble(cell, spot)
+    nearest = grid.nearest_free(spot)
     if snap > 0 and nearest is not None:
         at_x, at_y = grid.frame.position(nearest)
         if ((at_x - x) ** 2 + (at_y - y) ** 2) ** 0.5 <= snap:

@@ -25,8 +25,8 @@ class Waypoint:
     cell : (row, col)
         Where the robot is.
     pose : (x, y, yaw)
-        The cell's centre, and the direction in which the robot came, in radians counterclockwise; for
-        the first cell that in which it leaves.
+        Where a robot in the cell stands, and the direction in which it came, in radians
+        counterclockwise; for the first cell that in which it leaves.
     arrival, departure : float
         In time units.
     visit : Visit, optional
@@ -91,20 +91,30 @@ def waypoints(route: Route, mission: Instance) -> list[Waypoint]:
 
 
 def corners(points: Sequence[Waypoint]) -> list[Waypoint]:
-    """The waypoints between which a robot drives straight on: the ends, the turns and the visits."""
+    """The waypoints between which a robot drives straight on: the ends, the turns and the visits.
+
+    Where a robot stands beside a cell's centre, it turns.
+    """
     kept = []
     for i, point in enumerate(points):
         is_end = i in (0, len(points) - 1)
-        if is_end or point.visit is not None or points[i + 1].pose[2] != point.pose[2]:
+        if is_end or point.visit is not None or _turns(*points[i - 1 : i + 2]):
             kept.append(point)
     return kept
+
+
+def _turns(before: Waypoint, point: Waypoint, after: Waypoint) -> bool:
+    """Whether a robot turns on its way, or moves to a cell on another side than it came from."""
+    (row, col), (mid_row, mid_col), (next_row, next_col) = before.cell, point.cell, after.cell
+    came, goes = (mid_row - row, mid_col - col), (next_row - mid_row, next_col - mid_col)
+    return after.pose[2] != point.pose[2] or (came != goes and (0, 0) not in (came, goes))
 
 
 def _yaws(cells: Sequence[Cell], frame: Frame) -> list[float]:
     """The direction of the move into each cell; a robot that did not move keeps its direction."""
     rotation = frame.origin[2]
     moves = [
-        None if here == there else math.atan2(here[0] - there[0], there[1] - here[1]) + rotation
+        None if here == there else _direction(here, there, frame) + rotation
         for here, there in pairwise(cells)
     ]
     now = next((yaw for yaw in moves if yaw is not None), rotation)
@@ -113,3 +123,12 @@ def _yaws(cells: Sequence[Cell], frame: Frame) -> list[float]:
         now = now if yaw is None else yaw
         found.append(now)
     return [math.remainder(yaw, math.tau) for yaw in found]
+
+
+def _direction(here: Cell, there: Cell, frame: Frame) -> float:
+    """From where a robot stands in a cell to where it stands in another, in radians on the map."""
+    (along, up), (to_along, to_up) = frame.offset(here), frame.offset(there)
+    return math.atan2(
+        here[0] - there[0] + (to_up - up) / frame.cell_size,
+        there[1] - here[1] + (to_along - along) / frame.cell_size,
+    )

@@ -10,6 +10,7 @@ import pytest
 
 from msmrta_opt.mission.coarsening import coarsen
 from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.frame import Frame
 from msmrta_opt.mission.occupancy import FREE, OCCUPIED, UNKNOWN, Occupancy
 
 WALL = {"#": OCCUPIED, ".": FREE, "?": UNKNOWN}
@@ -95,6 +96,38 @@ def test_every_cell_contains_the_position_that_it_is_given() -> None:
         assert frame is not None
         for cell in itertools.product(*map(range, made.grid.shape)):
             assert frame.cell(*frame.position(cell)) == cell
+
+
+def test_where_the_robot_does_not_fit_at_the_centre_it_stands_on_the_nearest_pixel() -> None:
+    # One cell of three pixels; its middle is a wall, and of the pixels beside it, half a metre away,
+    # the first is on the left of it, 0.5 m along the map and none up.
+    frame = coarsen(floor("... .#. ...", 0.5), 1.5).grid.frame
+    assert frame is not None
+    assert frame.off_centre == ((0, 0, 0.0, 0.5),)
+    assert frame.position((0, 0)) == pytest.approx((0.75, 1.25))
+    # A piece of its own in the upper right corner is smaller than that on the left.
+    frame = coarsen(floor("..#. ..#. ..#. ..#.", 1.0), 4).grid.frame
+    assert frame is not None
+    assert frame.off_centre == ((0, 0, -0.5, 0.5),)
+    # The centre of a free cell of two pixels a side is on the corner of all four.
+    frame = coarsen(floor(".. ..", 1.0), 2).grid.frame
+    assert frame is not None
+    assert frame.off_centre == ()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_free_cell_has_a_pose_that_fits_and_leads_back_to_it(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    size = (0.2, 0.3, 0.17, 0.25)[seed]
+    state = (random.random((40, 50)) < 0.06).astype(np.uint8)
+    made = coarsen(Occupancy(state, 0.05, (3.0, -2.0, 0.7)), size, robot_radius=0.06)
+    frame, pixels = made.grid.frame, Frame(0.05, (3.0, -2.0, 0.7), 40)
+    assert frame is not None
+    assert frame.off_centre
+    for row, col in np.argwhere(made.grid.free).tolist():
+        x, y = frame.position((row, col))
+        assert made.fits[pixels.cell(x, y)]
+        assert frame.cell(x, y) == (row, col)
 
 
 @pytest.mark.parametrize(

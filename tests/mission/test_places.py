@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,22 @@ def test_a_saved_mission_keeps_the_place_of_its_map(tmp_path: Path) -> None:
     assert again.map.frame == Frame(0.5, (10, 20, 0), 2)
 
 
+def test_a_saved_mission_keeps_where_robots_stand(tmp_path: Path) -> None:
+    made = document()
+    made["map"]["frame"]["off_centre"] = [[1, 0, 0.1, -0.2]]
+    mission = Instance.from_document(made)
+    assert mission.map.frame is not None
+    # The centre is at 10.25, 20.25.
+    assert mission.map.frame.position((1, 0)) == pytest.approx((10.35, 20.05))
+    mission.save(tmp_path / "mission.json")
+    assert Instance.read(tmp_path / "mission.json") == mission
+
+
+def off_centre(*entries: Any) -> dict[str, Any]:
+    frame = {"cell_size": 0.5, "origin": [10, 20, 0], "off_centre": list(entries)}
+    return {"map": {"rows": [".@.", "..."], "frame": frame}}
+
+
 def test_a_mission_may_name_a_floor(tmp_path: Path) -> None:
     Image.fromarray(np.full((10, 20), 255, np.uint8)).save(tmp_path / "floor.png")
     floor = {"file": "floor.png", "resolution": 0.1, "cell_size": 0.5, "robot_radius": 0.1}
@@ -88,6 +105,20 @@ def test_a_mission_may_name_a_floor(tmp_path: Path) -> None:
             {"map": {"rows": ["..."], "frame": {"cell_size": 0, "origin": [0, 0, 0]}}},
             "map.frame.cell_size: 0; give a number above 0",
         ),
+        (off_centre([1, 0, 0.1]), "map.frame.off_centre[0]: [1, 0, 0.1]; give [row, col, along"),
+        (
+            off_centre([1, 0, 0.1, 0], [2, 0, 0.1, 0]),
+            "map.frame.off_centre[1]: [2, 0] is outside the map of 2 rows × 3 columns",
+        ),
+        (
+            off_centre([1, 0, 0.1, 0], [1, 0, 0.1, 0]),
+            "map.frame.off_centre[1]: [1, 0] is given twice",
+        ),
+        (
+            off_centre([1, 0, 0.1, -0.25]),
+            "map.frame.off_centre[0]: [0.1, -0.25] is not in the cell; give less than half of "
+            "cell_size, 0.5",
+        ),
         ({"map": {"file": "gone.yaml"}}, "map.cell_size: is missing"),
         ({"map": {"file": "gone.yaml", "cell_size": 1}}, "map: gone.yaml: no such file"),
         ({"map": {"file": "gone.yaml", "cells": 1}}, "map: {"),
@@ -119,6 +150,18 @@ def test_a_point_in_a_wall_is_moved_as_far_as_allowed() -> None:
     assert cell_of(values, GRID, snap=0.5) == (0, 0)
     with pytest.raises(InputError, match="is in a wall"):
         cell_of(values, GRID, snap=0.49)
+
+
+def test_the_nearest_cell_is_that_nearest_to_the_point() -> None:
+    # The wall's centre is at 10.75, 20.75; the point is nearer to the right, 0.4 from 11.25, 20.75.
+    values = {"x": "10.85", "y": "20.75"}
+    assert cell_of(values, GRID, snap=0.4001) == (0, 2)
+    with pytest.raises(InputError, match=r"nearest free cell is \[0, 2\]"):
+        cell_of(values, GRID)
+    # A robot in the cell below stands higher up: at 10.75, 20.45, 0.3 from 10.75, 20.75.
+    assert GRID.frame is not None
+    raised = replace(GRID, frame=replace(GRID.frame, off_centre=((1, 1, 0.0, 0.2),)))
+    assert cell_of({"x": "10.75", "y": "20.75"}, raised, snap=0.3001) == (1, 1)
 
 
 @pytest.mark.parametrize(

@@ -63,7 +63,17 @@ frames = st.builds(
 )
 
 
-@given(frame=frames)
+@st.composite
+def any_frame(draw: st.DrawFn) -> Frame:
+    """A frame with robots anywhere in their cells."""
+    frame = draw(frames)
+    within = st.floats(-0.499 * frame.cell_size, 0.499 * frame.cell_size)
+    places = st.tuples(st.integers(0, 2), st.integers(0, 3), within, within)
+    stands = draw(st.lists(places, unique_by=lambda entry: entry[:2]))
+    return replace(frame, off_centre=tuple(stands))
+
+
+@given(frame=any_frame())
 def test_cells_become_poses_and_cells_again_in_any_frame(plan: Plan, frame: Frame) -> None:
     placed = framed(plan, frame)
     for robot in (7, 3):
@@ -105,6 +115,21 @@ def test_waypoints_by_hand_are_as_nav2s_panel_has_them(plan: Plan) -> None:
             {"pose": [2.5, 0.5, 0], "orientation": left, "pause": 2, "victim": 10, "serves": ["A"]},
         ),
     ]  # fmt: skip
+
+
+def test_a_robot_beside_a_centre_turns_towards_it(plan: Plan) -> None:
+    # Half a cell up in column 1 of row 0: there and on to column 2 at 0.4 up and down over 1 along.
+    frame = Frame(1.0, (0, 0, 0), 3, ((0, 1, 0.0, 0.4),))
+    found = list(csv.DictReader(texts(framed(plan, frame), "w.csv")["w.csv"].splitlines()))
+    poses = [tuple(float(row[key]) for key in ("x", "y", "yaw")) for row in found[:3]]
+    slope = math.atan(0.4)
+    assert poses == [
+        pytest.approx((0.5, 2.5, slope)),
+        pytest.approx((1.5, 2.9, slope)),
+        pytest.approx((2.5, 2.5, -slope)),
+    ]
+    written = as_the_panel_reads(texts(framed(plan, frame), "w.yaml")["w-7.yaml"])
+    assert [pose[:2] for pose, _ in written[:3]] == [[0.5, 2.5], [1.5, 2.9], [2.5, 2.5]]
 
 
 def test_the_rotation_of_the_frame_turns_the_robots(plan: Plan) -> None:
