@@ -99,7 +99,7 @@ class Facts:
         run = self.run
         if run.scenario.until is not None:
             return run.scenario.until
-        at_a_time = {(table.robot, table.time) for table in run.scenario.lost}
+        at_a_time = [table.robot for table in run.scenario.lost if table.rate is None]
         return max(
             *(track.times[-1] for track in run.tracks),
             *(service.ended for service in run.services),
@@ -108,7 +108,7 @@ class Facts:
             *(
                 loss.time
                 for loss in run.world.lost
-                if (loss.robot, loss.time) in at_a_time or not self.is_done(loss.robot)
+                if loss.robot in at_a_time or not self.is_done(loss.robot)
             ),
             0.0,
         )

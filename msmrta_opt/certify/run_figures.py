@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 
+from ..mission.grid import GridMap
 from ..mission.run import Run
-
-_NEVER = ("no robot has it", "no capable robot can reach it")
+from .walking import components
 
 
 def figures(run: Run) -> dict[str, float]:
     """Every figure of a run, by name."""
-    plan = run.plan
     priority = {victim.id: victim.priority for victim in run.victims}
     last: dict[int, float] = {}
     n_served = 0
@@ -37,13 +36,7 @@ def figures(run: Run) -> dict[str, float]:
         distance += moves
         spent[track.robot] += moves / speed[track.robot]
         done[track.robot] = max(done.get(track.robot, 0.0), track.times[-1])
-    own = {victim.id for victim in plan.instance.victims}
-    capable = {kind for robot in plan.instance.robots for kind in robot.capabilities}
-    n_available = sum(len(victim.requirements) for victim in plan.instance.victims)
-    n_available -= sum(item.reason.value in _NEVER for item in plan.unserved)
-    for victim in run.victims:
-        if victim.id not in own:
-            n_available += len([kind for kind in victim.requirements if kind in capable])
+    n_available = _available(run)
     busy = sum(spent.values())
     finished = sum(done.values())
     still = finished - busy
@@ -63,3 +56,18 @@ def figures(run: Run) -> dict[str, float]:
         "replans": len(run.decisions),
         "changed_visits": sum(decision.changed for decision in run.decisions),
     }
+
+
+def _available(run: Run) -> int:
+    """How many requirements a robot that has them could ever walk to, with all opened cells open."""
+    mission = run.plan.instance
+    free = mission.map.free.copy()
+    for change in run.world.changes:
+        if change.free:
+            free[change.cell] = True
+    part = components(GridMap(free))
+    n = 0
+    for victim in run.victims:
+        near = [robot for robot in mission.robots if part[robot.start] == part[victim.cell]]
+        n += sum(any(kind in robot.capabilities for robot in near) for kind in victim.requirements)
+    return n

@@ -89,7 +89,10 @@ def probability(successes: int, n: int) -> Probability:
     share = successes / n
     centre = (share + z * z / (2 * n)) / (1 + z * z / n)
     half = z / (1 + z * z / n) * math.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
-    return Probability(share, max(centre - half, 0.0), min(centre + half, 1.0))
+    # Of none and of all one end is the share itself, which rounding must not move.
+    low = centre - half if successes else 0.0
+    high = centre + half if successes < n else 1.0
+    return Probability(share, low, high)
 
 
 def difference(ours: Sequence[float], theirs: Sequence[float]) -> Difference:

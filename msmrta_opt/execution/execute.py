@@ -62,6 +62,8 @@ def execute_checked(
     scenario.check_for(plan.instance)
     chosen, values = policy_of(policy, options)
     world = draw_world(plan, scenario, seed)
+    if chosen.load is not None:
+        chosen.load(values)
     decide = chosen.begin(Situated(plan, values, seed))
     simulation = Simulation(plan, scenario, world, decide, values["blocked"])
     simulation.run()

@@ -104,9 +104,6 @@ def digest_of_problem(run: Run) -> int:
 def as_it_turned_out(run: Run) -> Instance:
     """The mission of what a run served, as its world had it, every cell free that ever was."""
     mission, world = run.plan.instance, run.world
-    free = mission.map.free.copy()
-    for change in world.changes:
-        free[change.cell] |= change.free
     speed = {drawn.robot: drawn.speed for drawn in world.speeds}
     time = {(drawn.victim, drawn.kind): drawn.time for drawn in world.services}
     done = {(service.victim, service.kind) for service in run.services if service.done}
@@ -116,7 +113,7 @@ def as_it_turned_out(run: Run) -> Instance:
         if (kinds := [kind for kind in victim.requirements if (victim.id, kind) in done])
     }
     return mission.replace(
-        map=replace(mission.map, free=free),
+        map=world.ever_free(mission.map),
         scouts=(),
         robots=tuple(
             robot.model_copy(update={"speed": speed[robot.id]}) for robot in mission.robots

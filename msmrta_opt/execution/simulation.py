@@ -7,7 +7,8 @@ cell that is blocked meanwhile; none begins into a blocked one.
 
 A run ends at the scenario's ``until``, where what is under way is cut short. Without it, it ends when
 nothing more can happen to the mission: nobody moves or serves, all that the scenario has at a time has
-happened, and nobody who may be lost at a rate waits for a way.
+happened (a robot that has a time may be lost before it at a rate), and nobody who may be lost at a rate
+waits for a way.
 
 The time of a robot's i-th cell on a walk is when it set out plus i / speed, as plans have it, so that
 without uncertainty and events every time is that of the plan to the last bit.
@@ -73,7 +74,7 @@ class Simulation:
         self.acts: list[tuple[float, int]] = []
         self.happenings = happenings(world)
         self.horizon = math.inf if scenario.until is None else scenario.until
-        self.at_a_time = {(table.robot, table.time) for table in scenario.lost}
+        self.have_a_time = {table.robot for table in scenario.lost if table.time is not None}
         self.news: list[Event] = []
         self.left_out: set[tuple[int, int | None, int]] = set()
         self.services: list[Service] = []
@@ -129,8 +130,7 @@ class Simulation:
         """Whether it is waited for: all is that comes by the end, or at a time, or to who waits."""
         if not isinstance(item, Loss) or not math.isinf(self.horizon):
             return True
-        at_a_time = (item.robot, item.time) in self.at_a_time
-        return at_a_time or self.by_id[item.robot].is_waiting
+        return item.robot in self.have_a_time or self.by_id[item.robot].is_waiting
 
     def _end(self, now: float) -> None:
         """Cut short what is being served, and tell who still waits."""

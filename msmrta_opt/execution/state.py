@@ -104,6 +104,8 @@ class Policy:
         Its options; ``blocked`` is every policy's.
     check : function of options, optional
         Raises `InputError` for values that are wrong, before anything happens.
+    load : function of options, optional
+        Imports what the policy uses first when it decides: that is start-up, and no time of deciding.
     """
 
     name: str
@@ -111,3 +113,4 @@ class Policy:
     begin: Callable[[Situated], Decide]
     defaults: Mapping[str, Any] = field(default_factory=dict)
     check: Callable[[Mapping[str, Any]], object] | None = None
+    load: Callable[[Mapping[str, Any]], object] | None = None

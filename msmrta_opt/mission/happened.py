@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
 from pydantic import Field, NonNegativeInt
 
 from .fields import Amount, CellField, Id, Speed
+from .grid import GridMap
 from .instance import Victim
 from .proof import Finite
 from .route import PlanRecord, Time
@@ -63,6 +65,17 @@ class World(PlanRecord):
     lost: tuple[Loss, ...] = ()
     unknown: tuple[Unknown, ...] = ()
     changes: tuple[Change, ...] = ()
+
+    def ever_free(self, grid: GridMap) -> GridMap:
+        """The map with every cell free that is free in `grid` or at any time after."""
+        opened = [
+            change.cell for change in self.changes if change.free and not grid.free[change.cell]
+        ]
+        if not opened:
+            return grid
+        free = grid.free.copy()
+        free[tuple(zip(*opened, strict=True))] = True
+        return replace(grid, free=free)
 
 
 class Walked(PlanRecord):

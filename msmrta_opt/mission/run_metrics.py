@@ -14,11 +14,9 @@ from .happened import Decision, Event, Service, Walked, World
 from .instance import Victim
 from .metrics import CELLS, PERCENT, TIME, Metric, metric
 from .plan import Plan
-from .route import Reason
 
 ROUNDING = 1e-9
 """Share of a time up to which two times are the same."""
-_NEVER = (Reason.NO_ROBOT_HAS_IT, Reason.NO_CAPABLE_ROBOT_REACHES_IT)
 
 
 class _Parts(NamedTuple):
@@ -61,18 +59,11 @@ class RunMetrics:
 
     @metric("requirements available", heading="available")
     def n_available(self) -> int:
-        """Requirements that some robot of the mission has, of victims that robots can reach.
+        """Requirements of victims that a robot which has them can reach by cells that are ever free.
 
         Victims that turn up, or are never found, are counted, too.
         """
-        plan = self.run.plan
-        known = {victim.id for victim in plan.instance.victims}
-        never = {(item.victim, item.kind) for item in plan.unserved if item.reason in _NEVER}
-        capable = {kind for robot in plan.instance.robots for kind in robot.capabilities}
-        needed = ((v, kind) for v in self.run.victims for kind in v.requirements)
-        return sum(
-            (v.id, kind) not in never if v.id in known else kind in capable for v, kind in needed
-        )
+        return self._n_available
 
     @metric("served share", PERCENT, better="more")
     def served_share(self) -> float:
@@ -167,6 +158,17 @@ class RunMetrics:
     @cached_property
     def _served(self) -> set[tuple[int, str]]:
         return {(service.victim, service.kind) for service in self.run.services if service.done}
+
+    @cached_property
+    def _n_available(self) -> int:
+        mission = self.run.plan.instance
+        part = self.run.world.ever_free(mission.map).component
+        reached = {(kind, part[r.start]) for r in mission.robots for kind in r.capabilities}
+        return sum(
+            (kind, part[victim.cell]) in reached
+            for victim in self.run.victims
+            for kind in victim.requirements
+        )
 
     @cached_property
     def _priority(self) -> Mapping[int, float]:

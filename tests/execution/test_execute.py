@@ -182,6 +182,29 @@ def test_at_the_end_of_a_scenario_what_is_under_way_is_cut_short(
     assert run.tracks[0].times[-1] <= until
 
 
+def test_a_robot_that_has_a_time_is_waited_for_though_a_rate_loses_it_before(
+    corridor: Plan,
+) -> None:
+    tables = [{"rate": 0.001}, {"robot": 4, "time": 1e6}]
+    run = execute(corridor, {"lost": tables}, seed=1)
+    (loss,) = run.world.lost
+    assert 25 < loss.time < 1e6
+    assert (run.end, run.metrics.robots_lost, run.metrics.makespan) == (loss.time, 1, 25.0)
+
+
+@pytest.mark.parametrize(("policy", "served"), [("keep", 1), ("repair", 2)])
+def test_what_can_be_reached_once_a_wall_is_opened_is_available(policy: str, served: int) -> None:
+    """No more is ever served than is available, whoever goes there; kinds that nobody has are not."""
+    plan = make_plan(Instance.from_document(executions.WALLED), planner="ssi")
+    assert plan.metrics.n_available == 1
+    opened = {"notice": "at_once", "corridors": [{"cells": [[0, 3]], "opened": 10.0}]}
+    of = execute(plan, opened, policy).metrics
+    assert (of.n_served, of.n_available, of.served_share) == (served, 2, served / 2)
+    # Behind the wall that stays, a victim that turns up is out of reach.
+    hidden = {"victims": [{"id": 9, "cell": [0, 5], "requirements": ["Aid"], "announced": 1.0}]}
+    assert execute(plan, hidden, policy).metrics.n_available == 1
+
+
 def test_a_move_that_has_begun_is_completed(corridor: Plan) -> None:
     run = execute(corridor, {"corridors": [{"cells": [[0, 1]], "blocked": 0.5}]})
     assert ended(run) == {7: 12.0, 8: 25.0}

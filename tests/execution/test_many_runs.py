@@ -74,7 +74,9 @@ def test_the_interval_of_a_median_is_that_of_the_tables() -> None:
 def test_the_interval_of_a_probability_is_wilsons() -> None:
     found = probability(8, 10)
     assert (found.value, round(found.low, 4), round(found.high, 4)) == (0.8, 0.4902, 0.9433)
-    assert probability(0, 10).low == 0.0
+    # Of none one end is 0, of all the other is 1, whatever n is: nothing is left of rounding.
+    assert {probability(0, n).low for n in range(1, 200)} == {0.0}
+    assert {probability(n, n).high for n in range(1, 200)} == {1.0}
 
 
 def test_the_interval_of_a_difference_is_students() -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import random
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -288,3 +291,32 @@ def test_replanning_by_the_formulation_is_never_dearer_than_by_a_planner(street:
     proved = execute(street, both, "replan", model="joint_replan", stability=2.0)
     assert proved.metrics.n_served == ours.metrics.n_served
     assert proved.metrics.total_time <= ours.metrics.total_time
+
+
+WATCH = """
+import sys
+import msmrta_opt as mo
+from msmrta_opt.execution.simulation import Simulation
+
+decide, found = Simulation._decide, []
+
+def watched(simulation, now):
+    before = set(sys.modules)
+    decide(simulation, now)
+    found.append(sorted(set(sys.modules) - before))
+
+Simulation._decide = watched
+plan = mo.Plan.read(sys.argv[1])
+for policy in ("repair", "replan"):
+    mo.execute(plan, {"lost": [{"robot": 1, "time": 5.0}]}, policy)
+print(found)
+"""
+
+
+def test_deciding_imports_nothing_that_was_not_loaded_before_the_clock(
+    street: Plan, tmp_path: Path
+) -> None:
+    street.save(tmp_path / "plan.json")
+    command = [sys.executable, "-c", WATCH, str(tmp_path / "plan.json")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=True)
+    assert done.stdout.split() == ["[[],", "[]]"]

@@ -211,6 +211,12 @@ def lose_who_is_done(changed: dict[str, Any]) -> None:
     changed["events"].append({"time": 77.0, "what": "lost", "robot": 4, "cell": [0, 5]})
 
 
+def forget_who_was_lost_before_its_time(changed: dict[str, Any]) -> None:
+    """Done at 25; lost at 77 at a rate, where the scenario has it lost at 1000 at the latest."""
+    changed["scenario"]["lost"] = [{"robot": 4, "time": 1000.0}, {"rate": 0.001}]
+    changed["world"]["lost"] = [{"robot": 4, "time": 77.0}]
+
+
 FALSE = {
     end_after_the_first: "robot 4 does not do at victim 8 what it is told",
     wait_and_end: "robot 4 does not do at victim 8 what it is told",
@@ -221,6 +227,7 @@ FALSE = {
     wait_for_longer_than_the_run: "robot 4 waits until 99, which should be 12",
     go_on_after_the_end: "robot 4 serves Aid at victim 8 until 25, but the run ended at 20",
     lose_who_is_done: "an event did not happen: lost (4, (0, 5)) at 77",
+    forget_who_was_lost_before_its_time: "an event is missing: lost (4, (0, 5)) at 77",
     stand_still: "robot 4 stands still from 0 to 100, for no reason",
     wander: "robot 4 goes another way than the plan, for no reason",
     do_nothing_before_a_block: "robot 4 does not do at victim 7 what it is told",
@@ -242,6 +249,18 @@ def test_what_a_robot_does_for_no_reason_is_refused(
 def test_a_block_long_after_all_is_done_is_no_fault(corridor: dict[str, Any]) -> None:
     blocked_after_all(corridor)
     assert problems(figured(corridor)) == []
+
+
+def test_the_checker_counts_what_an_opened_wall_lets_robots_reach() -> None:
+    plan = make_plan(Instance.from_document(executions.WALLED), planner="ssi")
+    opened = {"notice": "at_once", "corridors": [{"cells": [[0, 3]], "opened": 10.0}]}
+    run = execute(plan, opened, "repair")
+    assert figures(run)["n_available"] == 2
+    false = {**run.figures, "n_available": 1, "served_share": 2.0}
+    assert problems(run.model_copy(update={"figures": false})) == [
+        "n_available is 1, which should be 2",
+        "served_share is 2, which should be 1",
+    ]
 
 
 def test_a_victim_that_needs_what_there_is_not_is_refused_and_no_error(

@@ -31,6 +31,18 @@ CORRIDOR: dict[str, Any] = {
 }
 """One robot, speed 1, in a corridor of six cells; victims at its cells 2 and 5, 10 each."""
 
+WALLED: dict[str, Any] = {
+    "map": {"rows": ["...@..."]},
+    "capabilities": ["Aid"],
+    "service_time": {"Aid": 5.0},
+    "robots": [{"id": 0, "start": [0, 0], "speed": 1.0, "capabilities": ["Aid"]}],
+    "victims": [
+        {"id": 0, "cell": [0, 6], "requirements": ["Aid"]},
+        {"id": 1, "cell": [0, 1], "requirements": ["Aid"]},
+    ],
+}
+"""One robot in a corridor with a wall at its cell 3, behind which is one of two victims."""
+
 
 def mission(number: int) -> Instance:
     """The mission of that number: a plain one, or every third time an odd one."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...planners.support.planner import walk_a_step
 from ..replanning import Remaining
 from ..state import Decide, Policy, Queues, Situated, State
 
@@ -18,4 +19,9 @@ def begin(situated: Situated) -> Decide:
     return repair
 
 
-POLICY = Policy("repair", "what nobody does is inserted where it costs least", begin)
+POLICY = Policy(
+    "repair",
+    "what nobody does is inserted where it costs least",
+    begin,
+    load=lambda options: walk_a_step(),
+)

@@ -18,6 +18,7 @@ from ...optimise.solve import solve
 from ...planners import check_options, planners
 from ...planners import plan as make_plan
 from ...planners.support.improvement import routes_of
+from ...planners.support.planner import IMPROVING, SOLVING, load
 from ...routing.heuristics.ruin_and_recreate import ruin_and_recreate
 from ...routing.objectives import DEFAULT, objective_of
 from ...routing.parameters import Parameters
@@ -140,6 +141,13 @@ def _check(options: Mapping[str, Any]) -> None:
             raise InputError(f"is of stage {stage}; give one of stage routing", field="model")
 
 
+def _load(options: Mapping[str, Any]) -> None:
+    planners()[options["planner"]].load({})
+    load(IMPROVING)
+    if options["model"]:
+        load((*SOLVING, "msmrta_opt.isolation"))
+
+
 POLICY = Policy(
     "replan",
     "all visits to come planned anew, each changed visit at a price",
@@ -152,4 +160,5 @@ POLICY = Policy(
         "model": "",
     },
     check=_check,
+    load=_load,
 )

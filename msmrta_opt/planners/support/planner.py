@@ -102,7 +102,7 @@ class Planner:
 
         What cannot be loaded is left to the planner, which says so where it misses it.
         """
-        _walk_a_step()
+        walk_a_step()
         load(self.libraries)
         with suppress(MsmrtaError):
             for name in self.formulations_of(options):
@@ -112,7 +112,7 @@ class Planner:
 
 
 @cache
-def _walk_a_step() -> None:
+def walk_a_step() -> None:
     """Load whichever engine finds distances and walks here."""
     grid = GridMap(np.ones((1, 2), dtype=bool))
     here, there = (0, 0), (0, 1)
