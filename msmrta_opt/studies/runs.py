@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..execution.policies import policy_of
-from ..mission.errors import InputError, ModelError
+from ..mission.errors import InputError, MistakesError, ModelError, all_of
 from ..mission.instance import Instance
 from ..mission.scenario import Scenario
 from ..mission.suggestions import meant
@@ -81,7 +81,8 @@ def runs(study: Study, known: Known | None = None) -> list[Run]:
     study : Study
         As read.
     known : mapping of str to tuple of str, optional
-        Names and digests of missions that need not be made, see `Ledger.missions`.
+        Names and digests of missions that need not be made, see `Ledger.missions`; then it is not
+        looked at whether scenarios fit missions.
 
     Raises
     ------
@@ -95,7 +96,10 @@ def runs(study: Study, known: Known | None = None) -> list[Run]:
             planned = list(_executions(study, planned))
         contenders = [*planned, *_formulations(study.formulations)]
         _check_labels(contenders, study.report.baseline)
-        return combined(missions(study, known or {}), contenders, study.timing)
+        found = missions(study, known or {})
+        if known is None:
+            _check_scenarios(study, found)
+        return combined(found, contenders, study.timing)
     except InputError as error:
         raise error.within(study.path) from None
 
@@ -213,6 +217,31 @@ def _scenarios(study: Study) -> Iterator[tuple[Scenario, int, float | None]]:
                 )
             seen[named.name] = file
             yield named, table.runs, table.hindsight
+
+
+def _check_scenarios(study: Study, found: Sequence[Mission]) -> None:
+    """Refuse scenarios that do not fit a mission, each mistake once with the missions it is one for."""
+    missions_of: dict[tuple[str, str, Path], list[str]] = {}
+    for file in (file for table in study.scenarios for file in table.file):
+        path = study.path.parent / file
+        scenario = Scenario.read(path)
+        for mission in found:
+            try:
+                scenario.check_for(mission.instance)
+            except InputError as error:
+                for one in error.each if isinstance(error, MistakesError) else [error]:
+                    missions_of.setdefault((one.problem, one.field, path), []).append(mission.name)
+    if missions_of:
+        raise all_of(
+            [
+                InputError(f"{problem} (mission {_first(names)})", field=field, file=path)
+                for (problem, field, path), names in missions_of.items()
+            ]
+        )
+
+
+def _first(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
 
 
 @dataclass(frozen=True)

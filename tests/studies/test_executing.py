@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from support.studies import do, kept, write_study
 
+from msmrta_opt import cli
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.studies.runs import runs
 from msmrta_opt.studies.specification import Study
@@ -85,6 +86,34 @@ def test_the_report_compares_the_policies(path: Path) -> None:
     page = open_study(path).report(path.parent / "report").read_text(encoding="utf-8")
     assert "What runs come to" in page
     assert "In pairs, under rough" in page
+
+
+UNFIT = """
+[[service]]
+kind = "Water"
+value = 2.0
+[[lost]]
+robot = 7
+time = 3.0
+"""
+
+
+def test_a_scenario_that_fits_no_mission_is_refused_before_anything_is_run(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each mistake once, with the scenario's file, the field and the missions it is one for."""
+    path.write_text(path.read_text().replace("victims = 3", "victims = [3, 4]"))
+    (path.parent / "rough.toml").write_text(UNFIT)
+    assert cli.run(["study", "run", str(path)]) == 2
+    rough = path.parent / "rough.toml"
+    robot, kind = sorted(capsys.readouterr().err.splitlines())
+    first = runs(Study.read(write_study(path.parent, PLAIN, "plain.toml")))[0].mission.name
+    assert (
+        robot
+        == f"error: {rough}: lost[0].robot: 7; the mission has robots 0, 1 (mission {first} and 1 more)"
+    )
+    assert kind.startswith(f"error: {rough}: service[0].kind: 'Water'; the mission has ")
+    assert not path.with_suffix(".sqlite").exists()
 
 
 @pytest.mark.parametrize(
