@@ -176,8 +176,10 @@ def new_mission(
     from ..mission.named_maps import find_map
     from .outputs import check_outputs
 
-    files = [Path(x) for x in (map_, robots, victims) if x is not None and not x.isdigit()]
-    check_outputs(output, inputs=files)
+    n_robots = _count(robots, "--robots", 1)
+    n_victims = _count(victims, "--victims", 0)
+    files = [robots] * (n_robots is None) + [victims] * (n_victims is None)
+    check_outputs(output, inputs=[Path(x) for x in (map_, *files) if x is not None])
     mission = draft_mission(
         find_map(map_, **_floor_options(cell_size, robot_radius, unknown, resolution)),
         _members(robots, robot, ROBOT_FIELDS, "robot", 1),
@@ -213,19 +215,37 @@ def _members(
     from ..mission.errors import InputError
     from ..mission.places import read_places, typed_place
 
-    rows = []
+    rows: list[dict[str, str]] = []
     for text in typed or ():
         try:
             rows.append(typed_place(text, fields))
         except InputError as error:
             raise InputError(error.problem, field=f"--{what}") from None
-    if given is not None and not given.isdigit():
-        return read_places(given, fields) + rows
+    count = _count(given, f"--{what}s", default)
+    if given is not None and count is None:
+        return [*read_places(given, fields), *rows]
     if given is not None and rows:
         raise InputError(
             f"a number beside --{what}; give a file, or leave it out", field=f"--{what}s"
         )
-    return rows or int(given or default)
+    return rows or (default if count is None else count)
+
+
+def _count(given: str | None, option: str, least: int) -> int | None:
+    """The number given, `least` or more; none if it is a file or nothing."""
+    from ..mission.errors import InputError
+
+    if given is None:
+        return None
+    try:
+        number = float(given)
+    except ValueError:
+        return None
+    if not (given.isascii() and given.isdigit() and least <= number < 1e9):
+        raise InputError(
+            f"{given}; give a whole number, {least} or more, or a CSV file", field=option
+        )
+    return int(given)
 
 
 def _kinds(texts: list[str]) -> dict[str, float]:

@@ -92,8 +92,7 @@ def coarsen(
         If a number is out of range, or the robot fits nowhere.
     """
     _check(floor, cell_size, robot_radius, unknown)
-    fits = _fits(floor, robot_radius, unknown)
-    rows, cols = (_cells(n, floor.resolution, cell_size) for n in fits.shape)
+    rows, cols = (_cells(n, floor.resolution, cell_size) for n in floor.state.shape)
     rows = rows[-1] - rows[::-1]  # cells are counted from the bottom, rows from the top
     shape = int(rows[-1]) + 1, int(cols[-1]) + 1
     if shape[0] * shape[1] > LARGEST_CELLS:
@@ -102,6 +101,7 @@ def coarsen(
             f"{LARGEST_CELLS:,} in all",
             field="cell_size",
         )
+    fits = _fits(floor, robot_radius, unknown)
     chosen, size = _pieces(fits, rows, cols, shape)
     aside, below = _links(chosen, rows, cols, shape)
     free = _without_false_moves(size, aside, below)
@@ -143,6 +143,14 @@ def _fits(floor: Occupancy, radius: float, unknown: Unknown) -> Bools:
     from scipy import ndimage
 
     free: Bools = floor.state == FREE if unknown == "blocked" else floor.state != OCCUPIED
+    if not free.any():
+        share = floor.share
+        raise InputError(
+            f"{unknown}; no pixel is free ({share['unknown']:.1%} unknown, "
+            f"{share['occupied']:.1%} occupied); give "
+            + ("a map that shows free space" if share["unknown"] == 0 else "free"),
+            field="unknown",
+        )
     if radius == 0:
         return free
     distance = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1]

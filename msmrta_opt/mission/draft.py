@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
 from pydantic import ValidationError
 
-from .errors import InputError, at
+from .errors import InputError, all_of, at, each_of
 from .generate import SERVICE_TIME, generate_mission
 from .grid import GridMap
 from .instance import Instance, Robot, Victim
-from .places import cell_of, names_in, number, with_ids
-from .validation import first_problem, said_of
+from .places import cell_of, in_its_row, names_in, number, with_ids
+from .validation import problems_of, said_of
 
 ROBOT_FIELDS = ("id", "speed", "capabilities")
 VICTIM_FIELDS = ("id", "requirements", "priority")
@@ -56,32 +57,38 @@ def draft_mission(
     Raises
     ------
     InputError
-        If a place or a value cannot be taken; ``robots[2]`` is the third row.
+        If a place or a value cannot be taken; ``robots[2]`` is the third row, unless it says from
+        which line of which file it comes. `MistakesError` of several mistakes.
     """
     kinds = tuple(service_time)
     if not kinds:
         raise InputError("no kind; give at least one, as NAME=TIME", field="kinds")
 
     drawn = _drawn(grid, robots, victims, kinds, seed)
-    try:
-        return Instance.model_validate(
-            {
-                "name": name or grid.name,
-                "map": grid,
-                "capabilities": kinds,
-                "service_time": dict(service_time),
-                "robots": drawn.robots
-                if isinstance(robots, int)
-                else _members(robots, "robots", lambda i, row: _robot(i, row, grid, snap, kinds)),
-                "victims": drawn.victims
-                if isinstance(victims, int)
-                else _members(
-                    victims, "victims", lambda i, row: _victim(i, row, grid, snap, kinds)
-                ),
-            }
-        )
-    except ValidationError as error:
-        raise first_problem(error) from None
+    wrong: list[InputError] = []
+    document: dict[str, object] = {
+        "name": name or grid.name,
+        "map": grid,
+        "capabilities": kinds,
+        "service_time": dict(service_time),
+        "robots": drawn.robots
+        if isinstance(robots, int)
+        else _members(robots, "robots", lambda i, row: _robot(i, row, grid, snap, kinds), wrong),
+        "victims": drawn.victims
+        if isinstance(victims, int)
+        else _members(victims, "victims", lambda i, row: _victim(i, row, grid, snap, kinds), wrong),
+    }
+    rows = {
+        group: given
+        for group, given in (("robots", robots), ("victims", victims))
+        if not isinstance(given, int)
+    }
+    if not wrong:
+        try:
+            return Instance.model_validate(document)
+        except ValidationError as error:
+            wrong = list(each_of(problems_of(error)))
+    raise all_of([_where(error, rows) for error in wrong])
 
 
 class _Drawn(NamedTuple):
@@ -118,17 +125,34 @@ def _drawn(
 
 
 def _members(
-    rows: Rows, group: str, make: Callable[[int, Mapping[str, str]], Member]
+    rows: Rows,
+    group: str,
+    make: Callable[[int, Mapping[str, str]], Member],
+    wrong: list[InputError],
 ) -> list[Member]:
+    """Of each row the member; what is wrong is added to `wrong`."""
     made = []
-    for i, (identity, row) in enumerate(zip(with_ids(rows, group), rows, strict=True)):
+    try:
+        ids = with_ids(rows, group)
+    except InputError as error:
+        wrong += each_of(error)
+        ids = list(range(len(rows)))
+    for i, (identity, row) in enumerate(zip(ids, rows, strict=True)):
         try:
             made.append(make(identity, row))
         except ValidationError as error:
-            raise said_of(at(group, i), first_problem(error)) from None
+            wrong += [said_of(at(group, i), each) for each in each_of(problems_of(error))]
         except InputError as error:
-            raise said_of(at(group, i), error) from None
+            wrong.append(said_of(at(group, i), error))
     return made
+
+
+def _where(error: InputError, rows: Mapping[str, Rows]) -> InputError:
+    """`error` of a member, said of the file and line that its row comes from, if it does."""
+    found = re.fullmatch(r"(robots|victims)\[(\d+)\]\.?(.*)", error.field)
+    if found is None or found[1] not in rows:
+        return error
+    return in_its_row(error, rows[found[1]][int(found[2])], found[3]) or error
 
 
 def _robot(

@@ -96,6 +96,11 @@ def all_of(errors: Sequence[InputError]) -> InputError:
     return errors[0] if len(errors) == 1 else MistakesError(errors[:MAX_MISTAKES])
 
 
+def each_of(error: InputError) -> tuple[InputError, ...]:
+    """The mistakes that `error` tells, one or more."""
+    return error.each if isinstance(error, MistakesError) else (error,)
+
+
 class ModelError(MsmrtaError):
     """A formulation cannot be loaded, built or written as a linear integer program."""
 

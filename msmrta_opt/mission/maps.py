@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .counting import counted
 from .errors import InputError, shown
 from .files import read_text, write_text
 from .grid import Cell, GridMap
@@ -62,7 +63,16 @@ def read_map(path: str | Path) -> GridMap:
     lines = [line.rstrip() for line in read_text(path).rstrip().split("\n")]
     try:
         header, first = _header(lines)
-        grid = grid_from_rows(lines[first:], name=path.stem, source=path)
+        rows = lines[first:]
+        _, width = header["width"]
+        uneven = len(set(map(len, rows))) > 1
+        for i, row in enumerate(rows):
+            if uneven and len(row) != width:
+                raise InputError(
+                    f"{counted(len(row), 'cell')}, where the header's width is {width}; correct either",
+                    field=f"rows[{i}]",
+                )
+        grid = grid_from_rows(rows, name=path.stem, source=path)
         for (key, (line, given)), actual in zip(header.items(), grid.shape, strict=True):
             if given != actual:
                 raise InputError(

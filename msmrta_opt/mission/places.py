@@ -8,7 +8,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from .errors import InputError, at, shown
+from .errors import InputError, all_of, at, shown
 from .files import read_text
 from .grid import Cell, GridMap
 from .validation import said_of
@@ -16,7 +16,23 @@ from .validation import said_of
 SPOT = ("x", "y", "row", "col")
 
 
-def read_places(path: str | Path, fields: Sequence[str]) -> list[dict[str, str]]:
+class Row(dict[str, str]):
+    """Values of a row of a file, and where it stands."""
+
+    def __init__(self, values: Mapping[str, str], file: str | Path, line: int) -> None:
+        super().__init__(values)
+        self.file, self.line = file, line
+
+
+def in_its_row(error: InputError, row: Mapping[str, str], field: str = "") -> InputError | None:
+    """`error`, said of the line and column of a file that `row` comes from; none if from no file."""
+    if not isinstance(row, Row):
+        return None
+    line = f"line {row.line}" + (f", {field}" if field else "")
+    return InputError(error.problem, field=line, file=row.file)
+
+
+def read_places(path: str | Path, fields: Sequence[str]) -> list[Row]:
     """The rows of a CSV file with a header; empty values are left out.
 
     Parameters
@@ -29,12 +45,16 @@ def read_places(path: str | Path, fields: Sequence[str]) -> list[dict[str, str]]
     Raises
     ------
     InputError
-        If the file cannot be read, a column is unknown or given twice, or a row has too many values.
+        If the file cannot be read, a column is unknown or given twice, a row has too many values, or
+        there is none.
     """
     text = read_text(path)
     first = text.partition("\n")[0]
     reader = csv.reader(
-        io.StringIO(text), delimiter=";" if first.count(";") > first.count(",") else ","
+        io.StringIO(text),
+        delimiter=";" if first.count(";") > first.count(",") else ",",
+        skipinitialspace=True,
+        strict=True,
     )
     try:
         rows = [(reader.line_num, [value.strip() for value in row]) for row in reader]
@@ -43,6 +63,8 @@ def read_places(path: str | Path, fields: Sequence[str]) -> list[dict[str, str]]
             f"broken CSV: {error}", field=f"line {reader.line_num}", file=path
         ) from None
     header = rows[0][1] if rows else []
+    if not any(header):
+        raise InputError("no header; name the columns in the first line", file=path)
     known = (*SPOT, *fields)
     for i, column in enumerate(header):
         if column not in known:
@@ -61,7 +83,9 @@ def read_places(path: str | Path, fields: Sequence[str]) -> list[dict[str, str]]
             )
         if any(row):
             values = {key: value for key, value in zip(header, row, strict=False) if value}
-            found.append(values)
+            found.append(Row(values, path, line))
+    if not found:
+        raise InputError("no row below the header; give one for each place", file=path)
     return found
 
 
@@ -146,9 +170,9 @@ def _whole(values: Mapping[str, str], name: str) -> int:
 
 
 def names_in(values: Mapping[str, str], name: str) -> list[str]:
-    """The names in a value, between ``+``, ``;`` or spaces."""
+    """The names in a value, between ``+``, ``;``, ``,`` or spaces."""
     text = values.get(name, "")
-    for mark in "+;":
+    for mark in "+;,":
         text = text.replace(mark, " ")
     return text.split()
 
@@ -159,14 +183,22 @@ def with_ids(rows: Sequence[Mapping[str, str]], group: str) -> list[int]:
     Raises
     ------
     InputError
-        If an id is not a whole number, naming its place in `group`.
+        If an id is not a whole number or repeated, naming its place in `group`; `MistakesError` of
+        several mistakes.
     """
-    given = []
+    given: list[int | None] = []
+    wrong = []
     for i, row in enumerate(rows):
         try:
-            given.append(_whole(row, "id") if "id" in row else None)
+            identity = _whole(row, "id") if "id" in row else None
+            if identity is not None and identity in given:
+                raise InputError(f"{identity} is repeated; ids differ within a group", field="id")
+            given.append(identity)
         except InputError as error:
-            raise said_of(at(group, i), error) from None
+            wrong.append(said_of(at(group, i), error))
+            given.append(None)
+    if wrong:
+        raise all_of(wrong)
     taken = {one for one in given if one is not None}
     following = (i for i in itertools.count() if i not in taken)
     return [next(following) if one is None else one for one in given]

@@ -10,10 +10,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
-from .errors import InputError, shown
+from .errors import InputError, all_of, each_of, shown
 from .files import read_yaml
 from .occupancy import Occupancy, read_occupancy_image
-from .validation import first_problem
+from .validation import problems_of
 
 
 def _three(value: object) -> object:
@@ -58,7 +58,8 @@ def read_ros_map(path: str | Path) -> Occupancy:
     Raises
     ------
     InputError
-        If a file is missing or broken, or a field is missing or out of range.
+        If a file is missing or broken, or a field is missing or out of range; `MistakesError` of
+        several mistakes.
     """
     path = Path(path)
     document = read_yaml(path)
@@ -67,7 +68,11 @@ def read_ros_map(path: str | Path) -> Occupancy:
     try:
         said = _Description.model_validate(document)
     except ValidationError as error:
-        raise first_problem(error).within(path) from None
+        wrong = list(each_of(problems_of(error)))
+        image = document.get("image")
+        if isinstance(image, str) and not (path.parent / image).exists():
+            wrong.insert(0, InputError(f"{path.parent / image}: no such file", field="image"))
+        raise all_of(wrong).within(path) from None
     try:
         return read_occupancy_image(
             path.parent / said.image,

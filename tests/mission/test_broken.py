@@ -105,7 +105,7 @@ TABLE: dict[str, tuple[str, str, str]] = {
     "wrong_height.map": ("line 2", "height 3", "the grid below has 2"),
     "wrong_width.map": ("line 3", "width 4", "the grid below has 3"),
     "no_grid.map": ("rows", "empty", "at least one row"),
-    "ragged.map": ("rows[1]", "2 cells where row 0 has 3", "equally long"),
+    "ragged.map": ("rows[1]", "2 cells, where the header's width is 3", "correct either"),
     "unknown_character.map": ("rows[1][1]", "'#'", "blocked ones @ O T W"),
     # Scenario files
     "too_few_columns.scen": ("line 2", "small.map", "start x y, goal x y"),

@@ -138,11 +138,21 @@ def test_every_free_cell_has_a_pose_that_fits_and_leads_back_to_it(seed: int) ->
         ({"robot_radius": -1.0}, "robot_radius: -1.0; give metres, 0 or more"),
         ({"robot_radius": 9.0}, "robot_radius: 9.0; no disc of this radius fits on the map"),
         ({"unknown": "red"}, "unknown: 'red'; give blocked or free"),
+        (
+            {"text": "?#??"},
+            "unknown: blocked; no pixel is free (75.0% unknown, 25.0% occupied); give free",
+        ),
+        (
+            {"text": "##", "unknown": "free"},
+            "unknown: free; no pixel is free (0.0% unknown, 100.0% occupied); give a map that shows "
+            "free space",
+        ),
     ],
 )
 def test_what_is_out_of_range_is_refused_in_one_line(options: dict[str, object], said: str) -> None:
+    text = str(options.pop("text", "... ..."))
     with pytest.raises(InputError) as refused:
-        coarsen(floor("... ..."), **{"cell_size": 1.0, **options})  # type: ignore[arg-type]
+        coarsen(floor(text), **{"cell_size": 1.0, **options})  # type: ignore[arg-type]
     assert str(refused.value) == said
 
 

@@ -132,7 +132,7 @@ def test_a_map_whose_folder_does_not_exist_is_not_written(tmp_path: Path) -> Non
         ("height " + "1" * 5000 + "\nwidth 1\nmap\n.\n", "line 1", "give height and a whole"),
         ("height 1\nheight 2\nwidth 1\nmap\n.\n", "line 2", "a second height; give one"),
         ("height 1\nwidth 1\nmap\n.\n.\n", "line 1", "height 1, where the grid below has 2"),
-        ("height 2\nwidth 1\nmap\n\n.\n", "rows[1]", "1 cells where row 0 has 0"),
+        ("height 2\nwidth 1\nmap\n\n.\n", "rows[0]", "0 cells, where the header's width is 1"),
         ("height 1\nwidth 2\nmap\n .\n", "rows[0][0]", "unknown map character ' '"),
         ("height 1\nwidth 1\nmap\n\x0c.\n", "rows[0][0]", "unknown map character '\\x0c'"),
     ],
@@ -175,3 +175,14 @@ def test_a_scenario_may_have_spaces_for_tabs_and_empty_lines(tmp_path: Path) -> 
     path = tmp_path / "queries.scen"
     path.write_text("version 1.0\n\n0 corner.map 5 4 0 3 0 0 3\n\n", encoding="utf-8")
     assert read_scenario(path) == [Query((3, 0), (0, 0), 3.0)]
+
+
+def test_a_row_that_is_shorter_than_the_header_says_is_the_one_at_fault(tmp_path: Path) -> None:
+    path = tmp_path / "short.map"
+    path.write_text("type octile\nheight 3\nwidth 4\nmap\n...\n....\n....\n", encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        read_map(path)
+    assert (
+        str(refused.value)
+        == f"{path}: rows[0]: 3 cells, where the header's width is 4; correct either"
+    )

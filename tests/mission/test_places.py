@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from msmrta_opt.mission.draft import VICTIM_FIELDS, draft_mission
-from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.errors import InputError, MistakesError
 from msmrta_opt.mission.frame import Frame
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance
@@ -22,6 +22,9 @@ from msmrta_opt.mission.places import cell_of, read_places, typed_place
 GRID = GridMap(
     np.array([[True, False, True], [True, True, True]]), frame=Frame(0.5, (10, 20, 0), 2)
 )
+
+
+HELP_AND_FOOD = {"help": 5, "food": 3}
 
 
 def document(**changes: Any) -> dict[str, Any]:
@@ -188,9 +191,7 @@ def test_places_are_read_from_a_csv_file(tmp_path: Path, mark: str) -> None:
     lines = ["id,x,y,requirements,priority", "7,10.1,20.6,help+food,2", ",11.2,20.1,,", ""]
     path.write_text("\n".join(lines).replace(",", mark), encoding="utf-8-sig")
     rows = read_places(path, VICTIM_FIELDS)
-    mission = draft_mission(
-        GRID, [{"row": "1", "col": "1"}], rows, service_time={"help": 5, "food": 3}
-    )
+    mission = draft_mission(GRID, [{"row": "1", "col": "1"}], rows, service_time=HELP_AND_FOOD)
     assert [(v.id, v.cell, v.requirements, v.priority) for v in mission.victims] == [
         (7, (0, 0), ("help", "food"), 2.0),
         (0, (1, 2), ("help",), 1.0),
@@ -204,6 +205,10 @@ def test_places_are_read_from_a_csv_file(tmp_path: Path, mark: str) -> None:
         ("id,z\n", "line 1: unknown column 'z'; known: x, y, row, col, id"),
         ("id,id\n", "line 1: column 'id' is given twice"),
         ("row,col\n1,2,3\n", "line 2: 3 values for 2 columns"),
+        ("", "no header; name the columns in the first line"),
+        ("row,col\n\n", "no row below the header; give one for each place"),
+        ('row,col\n1,"2\n', "line 2: broken CSV"),
+        ('row,col\n1,"2"3\n', "line 2: broken CSV"),
     ],
 )
 def test_a_broken_csv_file_gets_one_line(tmp_path: Path, text: str, said: str) -> None:
@@ -212,6 +217,31 @@ def test_a_broken_csv_file_gets_one_line(tmp_path: Path, text: str, said: str) -
     with pytest.raises(InputError) as refused:
         read_places(path, VICTIM_FIELDS)
     assert str(refused.value).startswith(f"{path}: {said}")
+
+
+def test_values_in_quotes_may_hold_commas_and_follow_blanks(tmp_path: Path) -> None:
+    path = tmp_path / "victims.csv"
+    path.write_text('row, col, requirements\n1, 1, "help, food"\n', encoding="utf-8")
+    rows = read_places(path, VICTIM_FIELDS)
+    mission = draft_mission(GRID, [{"row": "1", "col": "1"}], rows, service_time=HELP_AND_FOOD)
+    assert mission.victims[0].requirements == ("help", "food")
+
+
+def test_every_mistake_of_a_csv_file_is_told_by_its_line_and_column(tmp_path: Path) -> None:
+    path = tmp_path / "victims.csv"
+    path.write_text(
+        "id,x,y,priority\n1,10.1,20.1,high\n1,10.1,20.1,\n2,10.75,20.75,\n", encoding="utf-8"
+    )
+    with pytest.raises(MistakesError) as refused:
+        draft_mission(GRID, 1, read_places(path, VICTIM_FIELDS))
+    assert [str(error).removeprefix(f"{path}: ") for error in refused.value.each] == [
+        "line 3, id: 1 is repeated; ids differ within a group",
+        "line 2, priority: 'high'; give a number",
+        "line 4: x 10.75, y 20.75 is in a wall; the nearest free cell is [0, 0], at x 10.25, y 20.75",
+    ]
+    path.write_text("row,col,requirements\n1,1,hlep\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"victims.csv: line 2, requirements: unknown kind 'hlep'"):
+        draft_mission(GRID, 1, read_places(path, VICTIM_FIELDS), service_time=HELP_AND_FOOD)
 
 
 def test_a_bad_row_is_named_by_its_place() -> None:

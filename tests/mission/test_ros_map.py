@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from msmrta_opt.mission.errors import InputError
+from msmrta_opt.mission.errors import InputError, MistakesError
 from msmrta_opt.mission.map_files import read_floor, read_map_file
 from msmrta_opt.mission.occupancy import FREE, OCCUPIED, UNKNOWN, Occupancy
 from msmrta_opt.mission.ros_map import read_ros_map
@@ -130,6 +130,19 @@ def test_a_broken_description_gets_one_line(
     message = str(refused.value)
     assert message.startswith(f"{path}: {said.format(folder=tmp_path)}")
     assert "\n" not in message
+
+
+def test_all_mistakes_of_a_description_are_told_at_once(tmp_path: Path) -> None:
+    path = description(tmp_path, image="gone.png", resolution="-1", negate="5", mode="x")
+    with pytest.raises(MistakesError) as refused:
+        read_ros_map(path)
+    assert [error.field for error in refused.value.each] == [
+        "image",
+        "resolution",
+        "negate",
+        "mode",
+    ]
+    assert all(str(error).startswith(f"{path}: ") for error in refused.value.each)
 
 
 def test_an_image_of_16_bits_is_refused(tmp_path: Path) -> None:
