@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -21,6 +22,8 @@ from .runs import contenders, per_instance
 SAME = 1e-9
 """Relative difference up to which two values are equal."""
 CONFIDENCE = 0.95
+ALL_PAIRS = 4
+"""Up to so many contenders all pairs are compared; of more the best with each other."""
 
 
 @dataclass(frozen=True)
@@ -145,6 +148,40 @@ class Comparison:
         less = self.metric.better == "less"
         mean = {who: self.to_best(who).mean for who in self.fullest}
         return sorted(mean, key=lambda who: mean[who] if less else -mean[who])
+
+    @property
+    def equals(self) -> list[str]:
+        """The best of `ranked`, and those that are as good on each of the common instances.
+
+        That is the first, unless the next is better where both serve the same.
+        """
+        found = self._as_good_as(self.ranked[0])
+        rest = [who for who in self.ranked if who not in found]
+        if rest:
+            ratio = self.pair(found[0], rest[0], common=True).quality.mean
+            if ratio > 1 if self.metric.better == "less" else ratio < 1:
+                return self._as_good_as(rest[0])
+        return found
+
+    def _as_good_as(self, one: str) -> list[str]:
+        pairs = [self.pair(one, who, common=True) for who in self.ranked if who != one]
+        return [one, *(pair.other for pair in pairs if not pair.wins and not pair.losses)]
+
+    @property
+    def order(self) -> list[str]:
+        """All, the best first: the fastest of `equals`, the others of `ranked`, those who serve less."""
+        equals = self.equals
+        best = min(equals, key=lambda who: (self.mean_seconds(who), equals.index(who)))
+        ranked = [who for who in self.ranked if who != best]
+        less = [who for who in self.contenders if who != best and who not in ranked]
+        return [best, *ranked, *sorted(less, key=lambda who: -self.mean_served(who))]
+
+    def named_pairs(self) -> list[Pair]:
+        """The pairs to be shown: all of few contenders, else the best against each other."""
+        best, *others = self.order
+        if len(self.contenders) <= ALL_PAIRS:
+            return [self.pair(*pair) for pair in combinations([best, *others], 2)]
+        return [self.pair(best, other) for other in others]
 
 
 def pairs_table(pairs: Sequence[Pair], quality: str, time: str) -> pd.DataFrame:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,8 +33,6 @@ if TYPE_CHECKING:
     from ..record import Record
 
 QUANTILES = (0.05, 0.5, 0.95)
-ALL_PAIRS = 4
-"""Up to so many contenders all pairs are compared; of more the first with each other."""
 
 
 @dataclass(frozen=True)
@@ -196,25 +193,29 @@ def policy_sentence(scenario: str, found: Comparison) -> str:
     """Who wins under a scenario, by how much, and what deciding took; nothing of one contender."""
     if len(found.contenders) < 2 or not len(found.common):
         return ""
-    n = len(found.common)
-    served = {who: found.mean_served(who) for who in found.contenders}
-    others = sorted(set(found.contenders) - set(found.ranked), key=lambda who: -served[who])
-    order = [*found.ranked, *others]
-    pairs = {who: found.pair(order[0], who, common=True) for who in order[1:]}
-    alike = [who for who, pair in pairs.items() if not pair.wins and not pair.losses]
-    if len(alike) == len(pairs):
+    n, (best, *others), alike = len(found.common), found.order, found.equals
+    rest = [who for who in others if who not in alike]
+    if not rest:
         return f"Under {scenario}, all come to the same, in each of {n} runs."
-    best = min([order[0], *alike], key=found.mean_seconds)
-    second = next(who for who in order[1:] if who not in alike)
-    pair, what = pairs[second], found.metric.label
-    share, less = 100 * served[order[0]], 100 * served[second]
-    if share - less > 100 * SAME:
+    second = rest[0]
+    pair, what = found.pair(best, second, common=True), found.metric.label
+    gap = mean_of(100 * (found.served[best] - found.served[second])[found.common].to_numpy(float))
+    is_known = pair.quality.is_known
+    if gap.value > 100 * SAME:
+        is_known = gap.low > 0
+        share, less = (100 * found.mean_served(who) for who in (best, second))
         more = f"{share:.4g} % of what can be served against {less:.4g} %"
+        told = f"{gap.value:.3g} points more"
+        if n > 1:
+            told += f", {CONFIDENCE:.0%} confidence: {gap.low:.3g} to {gap.high:.3g}"
+    elif pair.quality.n:
+        more = f"as much, at a {what} {percent(pair.quality, n, 'runs')} than that"
+        told = ""
     else:
-        more = f"as much, at a {what} {percent(pair.quality)} than that"
-    is_known = stats.binomtest(pair.wins, pair.wins + pair.losses).pvalue < 1 - CONFIDENCE
+        more, told = "as much as that", "never the same in one run"
     counted = f"better in {pair.wins}, equal in {pair.ties}, worse in {pair.losses} of {n} runs"
-    equal = [who for who in (order[0], *alike) if who != best]
+    counted = "; ".join(filter(None, [told, counted]))
+    equal = [who for who in alike if who != best]
     if is_known:
         said = f"{best} wins: it serves {more} of {second}, the next ({counted})"
     else:
@@ -233,9 +234,8 @@ def _pairs(scenario: str, runs: pd.DataFrame, quality: str, name: str) -> Table 
     if len(who) < 2:
         return None
     found = _compared(runs, quality)
-    named = combinations(who, 2) if len(who) <= ALL_PAIRS else ((who[0], x) for x in who[1:])
     what = METRICS[quality].label
-    data = pairs_table([found.pair(*pair) for pair in named], what, "deciding time")
+    data = pairs_table(found.named_pairs(), what, "deciding time")
     return Table(
         f"policies-pairs-{name}", f"In pairs, under {scenario}", data,
         "Run by run, on the same seed of the same instance. Ratios are geometric means of contender /"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -12,13 +11,11 @@ import pandas as pd
 from ...plots.lettering import plain, told_apart
 from ...plots.style import FAINT, INK
 from .blocks import Block, Picture, Section, Table, Words
-from .pairs import CONFIDENCE, Comparison, Pair, Ratio, pairs_table
+from .pairs import CONFIDENCE, Comparison, Ratio, pairs_table
 from .runs import METHODS, of_method
 from .style import add_legend, own_axes
 from .text import number
 
-ALL_PAIRS = 4
-"""Up to so many contenders all pairs are compared; of more the first with each other."""
 TITLE = "Who won"
 
 
@@ -41,9 +38,7 @@ def planner_sentence(found: Comparison) -> str:
     where = f"On the {n} of {every} instances that all finished" if n < every else (
         f"On all {n} instances" if n > 1 else "On the one instance"
     )  # fmt: skip
-    ranked = found.ranked
-    alike = [who for who in ranked if _alike(found.pair(ranked[0], who, common=True))]
-    best = min(alike, key=lambda who: (found.mean_seconds(who), alike.index(who)))
+    ranked, alike, best = found.ranked, found.equals, found.order[0]
     others = [who for who in ranked if who not in alike]
     if others:
         said = _against(found, best, others[0], where)
@@ -64,33 +59,36 @@ def planner_sentence(found: Comparison) -> str:
 
 
 def _against(found: Comparison, best: str, second: str, where: str) -> str:
-    """How the best differs from the next, or that it may be chance."""
+    """How the best differs from the next, or that it may be chance, as the interval has it."""
     what, pair = found.metric.label, found.pair(best, second, common=True)
     counted = f"better on {pair.wins}, equal on {pair.ties}, worse on {pair.losses}"
-    if pair.quality.is_known or pair.quality.n < 2:
+    if not pair.quality.n:
+        return f"{where}, nobody wins: {best} and {second} never serve the same ({counted})"
+    said = percent(pair.quality, pair.instances, "instances")
+    if pair.quality.is_known or pair.instances == 1:
         return (
-            f"{where}, {best} makes the best plans: its {what} is {percent(pair.quality)} than that"
+            f"{where}, {best} makes the best plans: its {what} is {said} than that"
             f" of {second}, the next ({counted})"
         )
     return (
         f"{where}, nobody wins by {what}: {best} and {second} differ by what may be chance, the"
-        f" first's being {percent(pair.quality)}, {counted}"
+        f" first's being {said}, {counted}"
     )
 
 
-def _alike(pair: Pair) -> bool:
-    return not pair.wins and not pair.losses
+def percent(ratio: Ratio, n: int, things: str) -> str:
+    """By how much a ratio differs from 1, with its confidence interval where there is one.
 
-
-def percent(ratio: Ratio) -> str:
-    """By how much a ratio differs from 1, with its confidence interval where there is one."""
+    It is told over how many of the `n` things it is, where it is not over all.
+    """
     change, low, high = (100 * (x - 1) for x in (ratio.mean, ratio.low, ratio.high))
     sense = -1 if change < 0 else 1
     said = f"{abs(change):.3g} % {'lower' if sense < 0 else 'higher'}"
+    over = "" if ratio.n == n else f" over the {ratio.n} of {n} {things} that serve the same"
     if ratio.n < 2:
-        return said
+        return said + over
     ends = sorted(sense * end for end in (low, high))
-    return f"{said} ({CONFIDENCE:.0%} confidence: {ends[0]:.3g} to {ends[1]:.3g} %)"
+    return f"{said} ({CONFIDENCE:.0%} confidence{over}: {ends[0]:.3g} to {ends[1]:.3g} %)"
 
 
 def _price(found: Comparison, winner: str) -> str:
@@ -194,17 +192,11 @@ def _front(rows: list[dict[str, Any]], what: str, *, less: bool) -> list[tuple[f
 
 
 def pairs(found: Comparison) -> Table:
-    """The table of pairs: all of few contenders, else the first against each other."""
-    order = [*found.ranked, *(who for who in found.contenders if who not in found.ranked)]
-    named = (
-        list(combinations(order, 2))
-        if len(order) <= ALL_PAIRS
-        else [(order[0], other) for other in order[1:]]
-    )
+    """The table of pairs: all of few contenders, else the best against each other."""
     what = found.metric.label
     return Table(
         "pairs", "In pairs",
-        pairs_table([found.pair(*pair) for pair in named], what, METHODS["planner"]),
+        pairs_table(found.named_pairs(), what, METHODS["planner"]),
         "Over the instances that both finished. A plan that serves more wins; of plans that serve the"
         f" same, the one with the {'lower' if found.metric.better == 'less' else 'higher'} {what}."
         f" Ratios are geometric means of contender / against, from and to the ends of their"
