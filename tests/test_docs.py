@@ -66,3 +66,10 @@ def test_the_command_of_the_workflow_works(here: Path) -> None:
     assert cli.run(words) == 0
     for file in re.findall(r"solves\.\w+", WORKFLOW):
         assert (here / file).is_file()
+
+
+def test_the_code_of_maps_prints_what_the_page_shows(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (DOCS / "maps.md").read_text(encoding="utf-8")
+    (code,) = blocks(page, "python")
+    exec(compile(code, "maps.md", "exec"), {})
+    assert blocks(page, "text") == [capsys.readouterr().out]

@@ -25,6 +25,13 @@ WRONG: dict[str, Callable[[], object]] = {
     ),
     "a number over which to trade off": lambda: mo.tradeoff(mo.example("corridor"), 3),  # type: ignore[call-overload]
     "a text for a count": lambda: mo.generate_mission("map0", "2", 3, seed=1),  # type: ignore[arg-type]
+    "a text for a floor's resolution": lambda: mo.Occupancy(np.zeros((2, 2)), "x"),  # type: ignore[arg-type]
+    "a floor's origin without a yaw": lambda: mo.Occupancy(np.zeros((2, 2)), 1, (0, 0)),  # type: ignore[arg-type]
+    "a floor's origin that is not finite": lambda: mo.Occupancy(
+        np.zeros((2, 2)), 1, (0, float("nan"), 0)
+    ),
+    "a list for a floor": lambda: mo.coarsen([[0]], 1),  # type: ignore[arg-type]
+    "percent beyond 100": lambda: mo.Occupancy.from_percent([[101]], 1),
     "an unknown map": lambda: mo.generate_mission("map9", 2, 3, seed=1),
     "a mission for a plan, executed": lambda: mo.execute(mo.example("corridor")),  # type: ignore[arg-type]
     "a plan for a run": lambda: mo.hindsight(mo.plan(mo.example("corridor"), planner="ssi")),  # type: ignore[arg-type]

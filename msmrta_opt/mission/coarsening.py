@@ -26,7 +26,7 @@ from .counting import rows_by_columns
 from .errors import InputError, shown
 from .frame import Frame
 from .grid import GridMap
-from .occupancy import FREE, OCCUPIED, Occupancy
+from .occupancy import FREE, OCCUPIED, Occupancy, is_finite
 
 LARGEST_CELLS = 4_000_000
 """Of a grid."""
@@ -127,12 +127,16 @@ def coarsen(
 
 
 def _check(floor: Occupancy, cell_size: float, robot_radius: float, unknown: str) -> None:
-    if not floor.resolution * (1 - 1e-9) <= cell_size < np.inf:
+    if not isinstance(floor, Occupancy):
+        raise InputError(
+            f"{shown(floor)}; give an Occupancy, as Occupancy(array, 0.05) makes", field="floor"
+        )
+    if not (is_finite(cell_size) and floor.resolution * (1 - 1e-9) <= cell_size):
         raise InputError(
             f"{shown(cell_size)}; give metres, at least a pixel's {floor.resolution:g}",
             field="cell_size",
         )
-    if not 0 <= robot_radius < np.inf:
+    if not (is_finite(robot_radius) and robot_radius >= 0):
         raise InputError(f"{shown(robot_radius)}; give metres, 0 or more", field="robot_radius")
     if unknown not in ("blocked", "free"):
         raise InputError(f"{shown(unknown)}; give blocked or free", field="unknown")

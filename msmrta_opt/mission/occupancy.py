@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .counting import rows_by_columns
 from .errors import InputError, shown
@@ -28,6 +29,12 @@ LARGEST_PIXELS = 10**8
 IMAGES = (".bmp", ".gif", ".jpg", ".jpeg", ".pbm", ".pgm", ".png", ".ppm", ".tif", ".tiff")
 OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
 """The map server's customary thresholds."""
+
+
+def is_finite(value: object) -> bool:
+    """Whether `value` is a finite number."""
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+
 
 Mode = Literal["trinary", "scale", "raw"]
 States = NDArray[np.uint8]
@@ -68,13 +75,70 @@ class Occupancy:
                 f"give {FREE} for free, {OCCUPIED} for occupied, {UNKNOWN} for unknown",
                 field="state",
             )
-        if not (math.isfinite(self.resolution) and self.resolution > 0):
+        if not (is_finite(self.resolution) and self.resolution > 0):
             raise InputError(
                 f"{shown(self.resolution)}; give metres per pixel, above 0", field="resolution"
+            )
+        if not (
+            isinstance(self.origin, (tuple, list))
+            and len(self.origin) == 3
+            and all(map(is_finite, self.origin))
+        ):
+            raise InputError(
+                f"{shown(self.origin)}; give three finite numbers, (x, y, yaw)", field="origin"
             )
         state = state.astype(np.uint8)
         state.setflags(write=False)
         object.__setattr__(self, "state", state)
+        x, y, yaw = map(float, self.origin)
+        object.__setattr__(self, "origin", (x, y, yaw))
+        object.__setattr__(self, "resolution", float(self.resolution))
+
+    @classmethod
+    def from_percent(
+        cls,
+        values: ArrayLike,
+        resolution: float,
+        origin: Pose = (0.0, 0.0, 0.0),
+        *,
+        occupied_thresh: float = OCCUPIED_THRESH,
+        free_thresh: float = FREE_THRESH,
+        name: str = "",
+    ) -> Self:
+        """The floor in an array as a message of ROS, ``nav_msgs/OccupancyGrid``, has it.
+
+        Parameters
+        ----------
+        values : int array, shape (n_rows, n_cols)
+            Occupancies in percent, 0 to 100, and -1 for unknown; the lower row first:
+            ``numpy.reshape(message.data, (message.info.height, message.info.width))``.
+        resolution : float
+            Side of a pixel, in metres.
+        origin : (x, y, yaw)
+            Pose of the lower left corner, metres and radians.
+        occupied_thresh, free_thresh : float
+            Occupancies, 0 to 1, above which a pixel is occupied and below which it is free; what lies
+            between is unknown.
+        name : str
+            What to call the map.
+
+        Raises
+        ------
+        InputError
+            If the values are others.
+        """
+        percent = np.asarray(values)
+        if percent.ndim != 2 or percent.dtype.kind not in "iu":
+            raise InputError(
+                f"shape {percent.shape} of {percent.dtype}; give a rectangle of whole numbers",
+                field="values",
+            )
+        if (wrong := percent[(percent < -1) | (percent > 100)]).size:
+            raise InputError(f"{wrong[0]}; give 0 to 100, or -1 for unknown", field="values")
+        state = np.full(percent.shape, UNKNOWN, np.uint8)
+        state[percent > 100 * occupied_thresh] = OCCUPIED
+        state[(percent >= 0) & (percent < 100 * free_thresh)] = FREE
+        return cls(state[::-1], resolution, origin, name)
 
     @property
     def share(self) -> dict[str, float]:

@@ -135,6 +135,8 @@ def test_every_free_cell_has_a_pose_that_fits_and_leads_back_to_it(seed: int) ->
     [
         ({"cell_size": 0.5}, "cell_size: 0.5; give metres, at least a pixel's 1"),
         ({"cell_size": float("nan")}, "cell_size: NaN; give metres, at least a pixel's 1"),
+        ({"cell_size": "x"}, "cell_size: 'x'; give metres, at least a pixel's 1"),
+        ({"robot_radius": None}, "robot_radius: null; give metres, 0 or more"),
         ({"robot_radius": -1.0}, "robot_radius: -1.0; give metres, 0 or more"),
         ({"robot_radius": 9.0}, "robot_radius: 9.0; no disc of this radius fits on the map"),
         ({"unknown": "red"}, "unknown: 'red'; give blocked or free"),

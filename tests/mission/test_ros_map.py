@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -185,6 +186,27 @@ def test_options_of_floors_are_refused_for_grids(instances_dir: Path) -> None:
 def test_an_array_that_is_no_floor_is_refused(state: object) -> None:
     with pytest.raises(InputError, match=r"^state: "):
         Occupancy(np.array(state), 0.1)
+
+
+def test_an_array_of_percent_is_read_from_the_lower_row_upwards() -> None:
+    floor = Occupancy.from_percent([[0, 19, 20], [65, 66, -1]], 0.1, (1, 2, 0))
+    assert floor.state.tolist() == [[UNKNOWN, OCCUPIED, UNKNOWN], [FREE, FREE, UNKNOWN]]
+    assert (floor.resolution, floor.origin) == (0.1, (1, 2, 0))
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ([[0, -2]], "values: -2; give 0 to 100, or -1 for unknown"),
+        ([[0, 101]], "values: 101; give 0 to 100, or -1 for unknown"),
+        ([0, 1], "values: shape (2,) of int64; give a rectangle of whole numbers"),
+        ([[0.5]], "values: shape (1, 1) of float64; give a rectangle of whole numbers"),
+    ],
+)
+def test_an_array_that_is_not_in_percent_is_refused(values: Any, said: str) -> None:
+    with pytest.raises(InputError) as refused:
+        Occupancy.from_percent(values, 0.1)
+    assert str(refused.value) == said
 
 
 def test_shares_of_free_occupied_and_unknown_sum_to_one() -> None:
