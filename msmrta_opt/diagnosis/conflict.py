@@ -122,7 +122,7 @@ def _found(program: Program, options: Options, deadline: float, name: str) -> Co
     if truth is not None and truth.x is not None:
         return Conflict(name, "feasible")
     for integrality in (False, True):
-        system = _System(program if integrality else program.relaxed(), options, deadline)
+        system = _System(program, options, deadline, relaxed=not integrality)
         if integrality and not program.integer.any():
             break
         conflict = system.everything
@@ -154,9 +154,13 @@ class _System:
     Members are numbered: ``n_rows`` rows, then ``n_columns`` lower bounds, then the upper ones.
     """
 
-    def __init__(self, program: Program, options: Options, deadline: float) -> None:
+    def __init__(
+        self, program: Program, options: Options, deadline: float, *, relaxed: bool
+    ) -> None:
         import highspy
 
+        self.integer = program.integer
+        program = program.relaxed() if relaxed else program
         self.own = with_whole_sides(replace(program, cost=np.zeros(program.n_columns)))
         self.program = scaled(self.own, scaling(self.own))
         refuse_dropped("highs", self.own, self.program)
@@ -166,6 +170,8 @@ class _System:
         highs.set_options(self._highs, options, integer=bool(program.integer.any()))
         if program.integer.any():  # its presolve is wrong now and then, and may not end
             self._highs.setOptionValue("presolve", "off")
+        else:
+            self._highs.setOptionValue("primal_feasibility_tolerance", highs.STRICTEST)
         highs.heed_interruption(self._highs)
         self._highs.passModel(highs.model(highspy, self.program))
 
@@ -232,7 +238,7 @@ class _System:
         if not part.integer.any():
             ray = highs.infeasible_ray(scaled(part, scaling(part)), Options())
             ray = np.zeros(part.n_rows) if ray is None else ray * scaling(part).row
-            return proves_infeasible(part, ray)
+            return proves_infeasible(replace(part, integer=self.integer), ray)
         truth = settle(part)
         if truth is not None:
             return truth.x is None

@@ -53,7 +53,8 @@ class Relaxed:
         """For instance ``robot 2 has at most one cluster: ≤ 2 instead of ≤ 1``."""
         sign, moved = ("≥", self.side - self.by) if self.is_lower else ("≤", self.side + self.by)
         sign = "=" if self.is_equation else sign
-        return f"{self.name}: {sign} {moved:g} instead of {sign} {self.side:g}"
+        digits = next((d for d in range(6, 17) if f"{moved:.{d}g}" != f"{self.side:.{d}g}"), 17)
+        return f"{self.name}: {sign} {moved:.{digits}g} instead of {sign} {self.side:.{digits}g}"
 
 
 @dataclass(frozen=True)

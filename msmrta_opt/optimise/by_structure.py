@@ -64,5 +64,6 @@ def solve_by_structure(
 
 
 def _is_tight(program: Program, x: Floats, bound: float) -> bool:
-    value = program.value(x) - program.offset
-    return abs(value + program.offset - bound) <= TIGHT * max(scaling(program).unit, abs(value))
+    value = program.value(x)
+    size = max(scaling(program).unit, abs(value - program.constant))
+    return abs(value - bound) <= TIGHT * size

@@ -1,8 +1,9 @@
 """The independent check of solutions and bounds: numpy on the program's arrays, no solver.
 
 What fails it is never shown as a result. A row of whole numbers on whole-number columns is checked
-exactly. Any other on whole-number columns may be missed by the rounding of its own numbers, and a row
-with continuous columns by what solvers allow themselves, each relative to the size of the row's terms.
+exactly. Any other on whole-number columns may be missed by the rounding of its own numbers, relative to
+the row's terms. A row with continuous columns may be missed by what solvers allow themselves, too, but
+relative to what these columns are in it: a big M of a whole-number column excuses nothing.
 """
 
 from __future__ import annotations
@@ -112,8 +113,8 @@ def _share(program: Program, x: Floats, missed: Floats) -> float:
     if (missed <= 0).all():
         return 0.0
     terms = np.abs(program.matrix) @ np.abs(x)
-    share = np.divide(missed, terms, out=np.zeros_like(missed), where=(missed > 0) & (terms > 0))
-    return float(share.max(initial=0.0))
+    share = np.divide(missed, terms, out=np.ones_like(missed), where=terms > 0)
+    return float(share[missed > 0].max(initial=0.0))
 
 
 def row_misses(program: Program, x: Floats) -> tuple[Floats, Floats]:
@@ -124,14 +125,21 @@ def row_misses(program: Program, x: Floats) -> tuple[Floats, Floats]:
     if (missed <= 0).all() and np.prod([*sizes, program.n_columns]) < LARGEST_EXACT:
         return missed, np.zeros_like(missed)
     whole, decimal = kinds_of_rows(program)
-    terms = np.abs(program.matrix) @ np.abs(x)
+    matrix = program.matrix
+    rows = np.repeat(np.arange(program.n_rows), np.diff(matrix.indptr))
+    size = np.abs(matrix.data)
+    each = size * np.abs(x[matrix.indices])
+    is_continuous = ~program.integer[matrix.indices]
+    terms, continuous = (
+        np.bincount(rows, each * chosen, program.n_rows) for chosen in (1.0, is_continuous)
+    )
     sides = _largest_end(program.row_lower, program.row_upper)
-    size = sides.copy()
-    rows = np.repeat(np.arange(program.n_rows), np.diff(program.matrix.indptr))
-    np.fmax.at(size, rows, np.abs(program.matrix.data))
     # Where a column is scaled by much, the unit of its rows may be larger than all that is in them.
-    unit = np.minimum(1.0 / scaling(program).row, size)
-    allowed = np.where(decimal, ROUNDING * np.maximum(terms, sides), TOLERANCE * (unit + terms))
+    largest = np.zeros(program.n_rows)
+    np.fmax.at(largest, rows, size * is_continuous)
+    unit = np.minimum(1.0 / scaling(program).row, largest)
+    allowed = ROUNDING * np.maximum(terms, sides)
+    allowed = np.where(decimal, allowed, TOLERANCE * (unit + continuous) + allowed)
     allowed[whole] = 0.0
     allowed[np.diff(program.matrix.indptr) == 0] = ROUNDING
     for i in np.flatnonzero(whole & (np.maximum(terms, sides) >= LARGEST_EXACT)):
@@ -200,7 +208,7 @@ def proves_infeasible(program: Program, ray: Floats) -> bool:
 
     By Farkas' lemma: the rows, so multiplied and added, ask for more than the bounds allow, by more than
     the rounding of the rows' own numbers. A ray that solvers rounded is also tried as the simple
-    fractions near to it, and so are rows alone.
+    fractions near to it, of its largest part and of its smallest, and so are rows alone.
     """
     if any(
         _asks_too_much(program, [Fraction(sign * int(k == i)) for k in range(program.n_rows)])
@@ -208,14 +216,17 @@ def proves_infeasible(program: Program, ray: Floats) -> bool:
         for sign in (1, -1)
     ):
         return True
-    largest = float(np.abs(ray).max(initial=0.0)) if np.isfinite(ray).all() else 0.0
-    if largest == 0:
+    size = np.abs(ray)
+    if not np.isfinite(ray).all() or not size.any():
         return False
-    shares = [Fraction(float(share)) for share in ray / largest]
-    simple = [share.limit_denominator(1000) for share in shares]
+    shares, multiples = (
+        [Fraction(float(part)) for part in ray / unit]
+        for unit in (size.max(), size[size > 0].min())
+    )
+    simple = ([part.limit_denominator(1000) for part in parts] for parts in (shares, multiples))
     return any(
-        _asks_too_much(program, [sign * share for share in trial])
-        for trial in (simple, shares)
+        _asks_too_much(program, [sign * part for part in trial])
+        for trial in (*simple, shares)
         for sign in (1, -1)
     )
 

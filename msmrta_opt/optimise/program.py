@@ -150,6 +150,17 @@ class Program:
         """1 for a minimisation, -1 for a maximisation."""
         return 1.0 if self.sense == "min" else -1.0
 
+    @cached_property
+    def varying(self) -> Floats:
+        """The costs of the columns that can vary, 0 for the fixed ones."""
+        return np.where(self.lower == self.upper, 0.0, self.cost)
+
+    @cached_property
+    def constant(self) -> float:
+        """The constant of the objective and what fixed columns cost: no part of any gap."""
+        fixed = np.flatnonzero((self.lower == self.upper) & (self.cost != 0))
+        return float(self.cost[fixed] @ self.lower[fixed]) + self.offset
+
     def value(self, x: Floats) -> float:
         """The objective at `x`, shape ``(n_columns,)``."""
         return float(self.cost @ x) + self.offset
@@ -259,6 +270,22 @@ class Program:
     def relaxed(self) -> Program:
         """The same program without integrality."""
         return replace(self, integer=np.zeros(self.n_columns, dtype=bool))
+
+    def at_integers(self, x: Floats) -> Program:
+        """What is left of the program where its integer columns are as in `x`: the other columns."""
+        rest = ~self.integer
+        fixed = self.matrix @ np.where(rest, 0.0, x)
+        return Program(
+            sense=self.sense,
+            cost=self.cost[rest],
+            offset=self.offset + float(self.cost[self.integer] @ x[self.integer]),
+            matrix=self.matrix[:, np.flatnonzero(rest)].tocsr(),
+            row_lower=self.row_lower - fixed,
+            row_upper=self.row_upper - fixed,
+            lower=self.lower[rest],
+            upper=self.upper[rest],
+            integer=self.integer[rest],
+        )
 
     def with_row(self, entries: Floats, lower: float, upper: float, name: str) -> Program:
         """The same program with one more row, ``lower ≤ entries @ x ≤ upper``."""

@@ -46,7 +46,7 @@ def scaling(program: Program) -> Scaling:
     there = size > 0
     if there.any() and (size[there].min() < USUAL[0] or size.max() > USUAL[1]):
         row, column = _equilibrated(program)
-    cost = np.abs(program.cost) * column
+    cost = np.abs(program.varying) * column
     largest = float(cost.max(initial=0.0))
     is_usual = largest == 0 or USUAL_COST[0] <= largest <= USUAL_COST[1]
     if is_usual or (largest <= USUAL_COST[1] and _has_whole_costs(program)):
@@ -56,7 +56,7 @@ def scaling(program: Program) -> Scaling:
 
 def _has_whole_costs(program: Program) -> bool:
     """Whether the objective is whole: whole costs, of whole columns alone."""
-    cost = program.cost
+    cost = program.varying
     return bool(program.integer[cost != 0].all() and (cost == np.round(cost)).all())
 
 
@@ -90,7 +90,7 @@ def _middle(place: np.ndarray, size: Floats, n: int) -> Floats:
 
 
 def scaled(program: Program, factors: Scaling) -> Program:
-    """`program` with `factors`, and without its constant, which is no part of any gap."""
+    """`program` with `factors`, and without the constant of its objective."""
     matrix = program.matrix
     if (factors.row != 1).any() or (factors.column != 1).any():
         matrix = matrix.copy()
@@ -101,7 +101,7 @@ def scaled(program: Program, factors: Scaling) -> Program:
         )
     return replace(
         program,
-        cost=program.cost * factors.column * factors.objective,
+        cost=program.varying * factors.column * factors.objective,
         offset=0.0,
         matrix=matrix,
         row_lower=program.row_lower * factors.row,

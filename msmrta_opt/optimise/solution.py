@@ -64,7 +64,7 @@ class Solution:
     violation: float = 0.0
     """The largest share of its terms by which a row is missed."""
     offset: float = 0.0
-    """The constant of the objective, which is no part of any gap."""
+    """The constant of the objective, with what fixed variables cost: no part of any gap."""
     canonicalise_seconds: float = 0.0
     solve_seconds: float = 0.0
     nodes: int | None = None

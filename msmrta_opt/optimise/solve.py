@@ -155,7 +155,7 @@ def solve_program(
         nodes=outcome.nodes,
         n_variables=program.n_columns,
         n_rows=program.n_rows,
-        offset=program.offset,
+        offset=program.constant,
         blocks=(*program.columns, *program.rows),
     )
     if outcome.status == "unbounded":
@@ -220,7 +220,7 @@ def _checked(solution: Solution, program: Program, point: Point) -> Solution:
     if point.wrong:
         return _failed(solution, point.wrong[0])
     objective = program.value(x)
-    bound, size = solution.bound, max(scaling(program).unit, abs(objective - program.offset))
+    bound, size = solution.bound, max(scaling(program).unit, abs(objective - program.constant))
     if bound is not None:
         if program.sign * (bound - objective) > PROVEN * size:
             return _failed(solution, f"the bound {bound:g} contradicts the objective {objective:g}")

@@ -126,17 +126,13 @@ class Verifier:
             return outcome
         if program.integer.all() or not program.integer.any() or self._holds(outcome.x):
             return outcome
-        whole = np.where(program.integer, np.round(outcome.x), 0.0)
-        fixed = replace(
-            program.relaxed(),
-            lower=np.where(program.integer, whole, program.lower),
-            upper=np.where(program.integer, whole, program.upper),
-        )
-        again = get("highs").solve(fixed, self._left())
-        if not self._holds(again.x):
+        x = np.where(program.integer, np.round(outcome.x), 0.0)
+        again = get("highs").solve(program.at_integers(x), self._left())
+        if again.x is None:
             return outcome
+        x[~program.integer] = again.x
         # The bound may still be the solver's own; whether it proves this point is for the check.
-        return replace(outcome, x=again.x)
+        return replace(outcome, x=x) if self._holds(x) else outcome
 
     def _as_settled(self, truth: Settled, message: str) -> Outcome:
         if truth.x is None:
@@ -150,7 +146,7 @@ class Verifier:
         """The outcome, if it agrees with what all points say."""
         right = self._as_settled(truth, "")
         unit = 1e-9 * max(
-            scaling(self.program).unit, abs((right.bound or 0.0) - self.program.offset)
+            scaling(self.program).unit, abs((right.bound or 0.0) - self.program.constant)
         )
         wrong = ""
         if outcome.status in ("optimal", "feasible"):
@@ -253,7 +249,7 @@ class Verifier:
         if outcome.x is None or outcome.bound is None:
             return name, outcome
         value, sign = self.program.value(settled(self.program, outcome.x)), self.program.sign
-        slack = 1e-6 * max(scaling(self.program).unit, abs(value - self.program.offset))
+        slack = 1e-6 * max(scaling(self.program).unit, abs(value - self.program.constant))
         for other, second in self._second_opinions(name):
             if second.x is None or second.status != "optimal":
                 continue

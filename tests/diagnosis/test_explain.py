@@ -121,3 +121,14 @@ def test_texts_have_no_braces_and_no_arrays_of_numbers() -> None:
         "constraint 2[{0}]: […] <= (x)",
     ]
     assert asked.described.row_name(3) == "constraint 2[2]: […] <= (x)"
+
+
+def test_one_unit_of_hundreds_of_millions_is_explained_and_repaired_to_the_unit() -> None:
+    # 22 tasks of 14,400,000 are all to be done, and the shift is one unit too short.
+    n, task = 22, 14_400_000.0
+    x = cp.Variable(n, boolean=True, name="x")
+    shift = (np.full(n, task) @ x <= n * task - 1).set_label("the shift")
+    asked = cp.Problem(cp.Minimize(cp.sum(x)), [(x >= 1).set_label("task {i} is done"), shift])
+    told = str(mo.explain(asked))
+    assert "the shift: ≤ 316800000 instead of ≤ 316799999" in told
+    assert "task 0 is done" in told

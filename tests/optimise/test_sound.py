@@ -234,3 +234,58 @@ def test_a_whole_number_parameter_takes_no_fraction(value: float, kind: dict[str
     with pytest.raises(InputError, match=f"^k: {value}"):
         compiled.program(k=value)
     assert compiled.program(k=2).row_upper.tolist() == [2]
+
+
+DISJUNCTION = "two tasks of 3 and 4 on one machine, by a big M: 7 is the optimum"
+
+
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip", "glpk"])
+@pytest.mark.parametrize("big", [1e6, 1e7, 1e9])
+def test_a_big_m_excuses_no_missed_row(solver: str, big: float) -> None:
+    # s₁ ≥ s₀ + 3 - M (1 - o), s₀ ≥ s₁ + 4 - M o, t ≥ s₀ + 3, t ≥ s₁ + 4.
+    asked = program(
+        [[1, -1, big, 0], [-1, 1, -big, 0], [-1, 0, 0, 1], [0, -1, 0, 1]],
+        [big - 3, -4, INF, INF],
+        [0, 0, 0, 1],
+        row_lower=[-INF, -INF, 3, 4],
+        upper=[1e6, 1e6, 1, INF],
+        integer=[False, False, True, False],
+    )
+    found = solve_program(asked, solver=solver)
+    if found.found:
+        x = found.values["x"]
+        assert found.objective == pytest.approx(7), DISJUNCTION
+        assert x[1] >= x[0] + 3 - 1e-5 or x[0] >= x[1] + 4 - 1e-5
+    assert found.bound is None or found.bound <= 7 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip", "glpk"])
+@pytest.mark.parametrize("big", [1e5, 1e8])
+def test_no_little_need_is_met_through_a_closed_switch(solver: str, big: float) -> None:
+    # q_i ≤ M z_i for twelve i, Σ q ≥ 0.01: one switch at 1 and half a hundredth are 1.005.
+    n = 12
+    rows = np.hstack([-big * np.eye(n), np.eye(n)])
+    asked = program(
+        np.vstack([rows, [0] * n + [1] * n]),
+        [0] * n + [INF],
+        [*range(1, n + 1), *[0.5] * n],
+        row_lower=[-INF] * n + [0.01],
+        upper=[1] * n + [INF] * n,
+        integer=[True] * n + [False] * n,
+    )
+    found = solve_program(asked, solver=solver)
+    assert not found.found or found.objective == pytest.approx(1.005)
+
+
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip", "glpk"])
+def test_a_side_that_solvers_take_for_infinite_is_refused_by_its_row(solver: str) -> None:
+    asked = program([[1, 1]], 1e25, 1, sense="max", upper=INF, integer=False)
+    with pytest.raises(UnsupportedError, match=r"side 1e\+25 of 'row 0'"):
+        solve_program(asked, solver=solver)
+
+
+def test_what_a_fixed_column_costs_is_a_constant() -> None:
+    asked = program([[1, 1, 0]], 1, [-3, -2, 1e9], lower=[0, 0, 1], upper=1)
+    assert (asked.constant, asked.varying.tolist()) == (1e9, [-3, -2, 0])
+    found = solve_program(asked)
+    assert (found.objective, found.offset) == (1e9 - 3, 1e9)

@@ -171,7 +171,8 @@ class _Side:
     empty: bool = True
 
 
-def _side(tokens: _Tokens, *, on_the_right: bool = False) -> _Side:
+def _side(tokens: _Tokens, *, on_the_right: bool = False, is_number: bool = False) -> _Side:
+    """The next side; if it `is_number`, no coefficient is joined to a variable: 0x10 is no zero."""
     side = _Side()
     sign: float | None = None
     factor: float | None = None
@@ -210,7 +211,7 @@ def _side(tokens: _Tokens, *, on_the_right: bool = False) -> _Side:
         else:
             if factor == math.inf:
                 raise token.wrong("an infinite coefficient; give a number")
-            if token.joined and factor is not None and token.text[0] in "eE":
+            if token.joined and factor is not None and (is_number or token.text[0] in "eE"):
                 raise token.wrong(f"{shown(token.text)} joined to a number; put a blank between")
             finish(variable)
             if not math.isfinite(side.terms[variable]):
@@ -250,7 +251,8 @@ def _statement(tokens: _Tokens) -> _Statement:
     sides, relations = [_side(tokens)], []
     while tokens.kinds("relation"):
         relations.append(tokens.take().text.replace("=", "")[:1] or "=")
-        sides.append(_side(tokens, on_the_right=True))
+        is_number = any(side.terms for side in sides)
+        sides.append(_side(tokens, on_the_right=True, is_number=is_number))
     if len(sides) not in (2, 3):
         raise start.wrong("a row has one relation: terms, then <=, >= or =, then a number")
     if any(side.empty for side in sides):

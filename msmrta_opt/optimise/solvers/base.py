@@ -22,6 +22,8 @@ Ability = Literal[
 ]
 SMALLEST, LARGEST = 1e-9, 1e15
 """Solvers drop scaled coefficients up to the one, and refuse those from the other on."""
+INFINITE = 1e20
+"""From here on, solvers mean infinity."""
 EVERY_ABILITY: frozenset[Ability] = frozenset(get_args(Ability))
 
 
@@ -173,13 +175,15 @@ class Solver:
         return replace(
             outcome,
             x=x,
-            bound=None if outcome.bound is None else outcome.bound * factors.unit + program.offset,
+            bound=None
+            if outcome.bound is None
+            else outcome.bound * factors.unit + program.constant,
             duals=None if outcome.duals is None else outcome.duals * factors.row * factors.unit,
         )
 
 
 def refuse_dropped(name: str, program: Program, sent: Program) -> None:
-    """Refuse coefficients that solvers would drop or refuse, named by row and column.
+    """Refuse numbers that solvers would drop, refuse or take for infinite, named by row and column.
 
     Parameters
     ----------
@@ -193,6 +197,7 @@ def refuse_dropped(name: str, program: Program, sent: Program) -> None:
     UnsupportedError
         For the first of them.
     """
+    _refuse_infinite(name, program, sent)
     size = np.abs(sent.matrix.data)
     wrong = ((size > 0) & (size <= SMALLEST)) | (size >= LARGEST)
     if not wrong.any():
@@ -207,3 +212,17 @@ def refuse_dropped(name: str, program: Program, sent: Program) -> None:
         f" {program.column_name(int(program.matrix.indices[entry]))} beside {largest:g};"
         " give coefficients of a row within a factor of 1e9, for instance a smaller big M"
     )
+
+
+def _refuse_infinite(name: str, program: Program, sent: Program) -> None:
+    """Refuse finite sides and bounds that solvers take for infinite."""
+    for what, ends, of in (
+        ("side", (sent.row_lower, sent.row_upper), program.row_name),
+        ("bound", (sent.lower, sent.upper), program.column_name),
+    ):
+        for end in ends:
+            for place in np.flatnonzero(np.isfinite(end) & (np.abs(end) >= INFINITE)):
+                raise UnsupportedError(
+                    f"solver {name} cannot do the {what} {end[place]:g} of '{of(int(place))}': it takes"
+                    f" it for infinite; give less than {INFINITE:g}, or none"
+                )

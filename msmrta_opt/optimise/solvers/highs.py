@@ -20,6 +20,8 @@ from .outcomes import unbounded_or_infeasible
 SMALL = 60
 """Columns and rows of an integer program up to which HiGHS goes without its presolve: it calls some
 feasible ones infeasible, and is now and then caught in an endless loop, where it has little to gain."""
+STRICTEST = 1e-10
+"""The smallest tolerance for rows that HiGHS takes."""
 
 _threads_in_use: int | None = None
 _making = Lock()
@@ -88,6 +90,7 @@ def infeasible_ray(program: Program, options: Options) -> Floats | None:
     highs = new_highs()
     set_options(highs, replace(options, gap=None), integer=False)
     highs.setOptionValue("presolve", "off")
+    highs.setOptionValue("primal_feasibility_tolerance", STRICTEST)
     relaxed = program.relaxed()
     highs.passModel(model(highspy, replace(relaxed, cost=np.zeros(program.n_columns))))
     heed_interruption(highs)

@@ -15,12 +15,10 @@ import numpy as np
 
 from ...arrays import Floats
 from ..program import Program
-from .base import Options, Outcome
+from .base import INFINITE, Options, Outcome
 
 Adapter = Callable[[Program, Options], Outcome]
 
-INFINITE = 1e20
-"""From here on, solvers mean infinity."""
 PROVEN = 1e-6
 """Relative difference up to which a bound proves a value, as solvers' own tolerances have it."""
 
