@@ -25,7 +25,9 @@ QUICK = "not slow"
 
 ROOT = Path(__file__).parents[1]
 COMPILED = (
+    "msmrta_opt.mission.a_star",
     "msmrta_opt.mission.breadth_first",
+    "msmrta_opt.routing.branch_and_cut.compiled_cut",
     "msmrta_opt.routing.heuristics.compiled_steps",
     "msmrta_opt.stages.random_swap",
 )

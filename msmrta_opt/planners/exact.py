@@ -237,5 +237,8 @@ PLANNER = Planner(
     limits=LIMITS,
     improves_itself=True,
     formulations=_formulations,
-    libraries=(*SOLVING, *IMPROVING, "pyscipopt", "msmrta_opt.routing.combinatorial_bounds"),
+    libraries=(
+        *(*SOLVING, *IMPROVING, "pyscipopt", "msmrta_opt.routing.combinatorial_bounds"),
+        "msmrta_opt.routing.branch_and_cut.compiled_cut",
+    ),
 )
