@@ -60,7 +60,14 @@ def _minimum_sum(
     joint: Joint, layer: list[Requirement], shortest: dict[tuple[int, Requirement], Fraction]
 ) -> Fraction:
     """Minimum sum of the requirements' completion times."""
-    n = len(layer)
+    n, own = len(layer), set(layer)
+    soonest: dict[Requirement, Fraction] = {}
+    for (_, g), time in shortest.items():
+        soonest[g] = min(soonest.get(g, time), time)
+    # What takes longer than all of the layer by whoever is soonest, one after another, is in no minimum:
+    # without it, a robot of another scale takes no digits from the rest.
+    most = n * sum(soonest[g] for g in layer)
+    shortest = {(r, g): t for (r, g), t in shortest.items() if t <= most and g in own}
     longest = max(shortest.values())
     if not longest:
         return Fraction(0)

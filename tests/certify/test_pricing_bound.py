@@ -302,3 +302,22 @@ def test_the_bound_at_once_is_the_planners(seed: int) -> None:
     joint = Joint.of(plan)
     ours = max(scheduling_bound(joint), joint.each_alone("latency"))
     assert float(ours) == pytest.approx(latency_bound(problem_of(plan)), rel=1e-9)
+
+
+@pytest.mark.parametrize("power", [0, 9, 20, 30])
+def test_a_robot_of_another_scale_takes_no_digits_from_the_scheduling_bound(power: int) -> None:
+    """Robot 0 needs 2 and 3 for its victims: done at 2 and 5. Robot 1 needs 10^power more for each."""
+    slow = Fraction(10) ** power
+    joint = Joint(
+        robots=(0, 1),
+        able=frozenset((r, v, "aid") for r in (0, 1) for v in (0, 1)),
+        leave={(0, 0): Fraction(0), (0, 1): Fraction(0), (1, 0): slow, (1, 1): slow},
+        between={(0, 0, 1): Fraction(0), (1, 0, 1): slow},
+        returns=False,
+        service={(0, "aid"): Fraction(2), (1, "aid"): Fraction(3)},
+        priority={0: Fraction(1), 1: Fraction(1)},
+        endurance=None,
+        walk={},
+    )
+    # Beside one that is hardly slower: 2 on robot 0 and 3 + 1 on robot 1 is 6.
+    assert scheduling_bound(joint) == (6 if power == 0 else 7)

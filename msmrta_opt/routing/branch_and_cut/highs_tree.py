@@ -19,8 +19,15 @@ from ..run_highs import quiet_highs, run_highs
 from ..stop import StoppingCriterion
 from .points import point_supports, routes_of
 from .separation import Cut, separate
-from .subproblem import Subproblem, Tree
+from .subproblem import Subproblem, Tree, TreeError
 
+_FAILED = (
+    highspy.HighsModelStatus.kLoadError,
+    highspy.HighsModelStatus.kModelError,
+    highspy.HighsModelStatus.kPresolveError,
+    highspy.HighsModelStatus.kSolveError,
+    highspy.HighsModelStatus.kPostsolveError,
+)
 _NOTHING_BETTER = (
     highspy.HighsModelStatus.kInfeasible,
     highspy.HighsModelStatus.kObjectiveBound,
@@ -37,7 +44,13 @@ def search_by_highs(
     improved: Callable[[Routes], object],
     proved: Callable[[float], object],
 ) -> Tree:
-    """As `tree.search_tree`, by HiGHS."""
+    """As `tree.search_tree`, by HiGHS.
+
+    Raises
+    ------
+    TreeError
+        If HiGHS fails.
+    """
     del parameters
     formulation, known = problem.formulation, problem.known
     step = objective_step(formulation.data, formulation.objective)
@@ -50,9 +63,12 @@ def search_by_highs(
         if np.isfinite(known):
             # Half a step up: rounding must not cut off a solution exactly at the limit.
             highs.setOptionValue("objective_bound", step.below(known) + step.step / 2)
-        highs.passModel(_model(problem, cuts))
+        if highs.passModel(_model(problem, cuts)) == highspy.HighsStatus.kError:
+            raise TreeError("HiGHS failed: it does not take the program")
         run_highs(highs, stop)
         info, status = highs.getInfo(), highs.getModelStatus()
+        if status in _FAILED:
+            raise TreeError(f"HiGHS failed: {highs.modelStatusToString(status)}")
         nodes += max(0, int(info.mip_node_count))
         if status in _NOTHING_BETTER:
             return Tree(known, complete=True, nodes=nodes)

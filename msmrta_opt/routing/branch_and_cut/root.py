@@ -65,7 +65,7 @@ class Root:
         """
         known = self.progress.value
         lower, upper = fixed(self.formulation, self.relaxed, known, np.zeros(len(upper)), upper)
-        return search_tree(
+        tree = search_tree(
             Subproblem(
                 self.formulation, lower, upper, known, self.relaxed.cuts, [*self.own_visits, *rows]
             ),
@@ -75,3 +75,6 @@ class Root:
             improved=self.progress.offer,
             proved=proved,
         )
+        for failure in tree.failures:
+            self.progress.begin(failure)
+        return tree

@@ -19,7 +19,7 @@ from ..parameters import BranchAndCutParameters
 from ..problem import Routes
 from ..stop import StoppingCriterion
 from .connectivity import Connectivity, Shared
-from .subproblem import Subproblem, Tree, TreeError
+from .subproblem import Subproblem, Tree
 
 _INFINITE = 1e20
 """SCIP's infinity."""
@@ -62,8 +62,8 @@ def search_by_scip(
 
     Raises
     ------
-    TreeError
-        If SCIP does.
+    Exception
+        If SCIP fails: PySCIPOpt has no type of its own.
     """
     formulation, known = problem.formulation, problem.known
     step = objective_step(formulation.data, formulation.objective)
@@ -123,10 +123,9 @@ def search_by_scip(
         model.setObjlimit(limit(known))
     try:
         model.optimize()
-    except Exception as error:
-        # PySCIPOpt has no exceptions of its own.
+    except Exception:
         if shared.failure is None:
-            raise TreeError(f"SCIP: {error}") from error
+            raise
     if shared.failure is not None:
         raise shared.failure
     status = model.getStatus()

@@ -36,6 +36,8 @@ class Tree:
     complete: bool
     """Whether the tree was searched to its end."""
     nodes: int
+    failures: tuple[str, ...] = ()
+    """What solvers that failed said, each with its name."""
 
 
 class TreeError(Exception):

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from ...mission.errors import MsmrtaError
 from ...optimise.solvers.scip import version as scip_version
 from ..parameters import BranchAndCutParameters
 from ..problem import Routes
@@ -26,7 +29,8 @@ def search_tree(
 ) -> Tree:
     """Solve `problem` by branch and cut: by SCIP where it is installed, by HiGHS where not.
 
-    HiGHS solves it, too, where SCIP fails.
+    HiGHS solves it, too, where SCIP fails. Where HiGHS does, nothing is proved; either failure is
+    said in the outcome.
 
     Parameters
     ----------
@@ -52,20 +56,30 @@ def search_tree(
         improved=improved,
         proved=proved,
     )
-    try:
-        return search(by_scip=has_scip())
-    except TreeError:
-        return search(by_scip=False)
+    failures: tuple[str, ...] = ()
+    for by_scip in (True, False) if has_scip() else (False,):
+        try:
+            return replace(search(by_scip=by_scip), failures=failures)
+        except TreeError as error:
+            failures += (str(error),)
+    return Tree(-math.inf, complete=False, nodes=0, failures=failures)
 
 
 def _search(problem: Subproblem, *, by_scip: bool, **options: Any) -> Tree:
-    if by_scip:
-        from .scip_tree import search_by_scip
+    try:
+        if by_scip:
+            from .scip_tree import search_by_scip
 
-        return search_by_scip(problem, **options)
-    from .highs_tree import search_by_highs
+            return search_by_scip(problem, **options)
+        from .highs_tree import search_by_highs
 
-    return search_by_highs(problem, **options)
+        return search_by_highs(problem, **options)
+    except (MsmrtaError, TreeError):
+        raise
+    except Exception as error:
+        # Of whatever kind: what a solver does not take loses no plan.
+        said = str(error).removeprefix("SCIP: ") or type(error).__name__
+        raise TreeError(f"{'SCIP' if by_scip else 'HiGHS'} failed: {said}") from error
 
 
 def has_scip() -> bool:

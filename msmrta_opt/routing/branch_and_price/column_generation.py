@@ -78,7 +78,7 @@ class ColumnGeneration:
         """Raise the bound to within `tolerance` of the best; whether it got there."""
         best = self.duals.on(tuple(self.master.breakpoints))
         self.proven = -math.inf
-        self._price(best, watch.stop)
+        self._price(best)
         if not watch.proved(self.proven):
             return False
         smoothing = self.parameters.smoothing
@@ -86,7 +86,7 @@ class ColumnGeneration:
             current = self.master.solve(watch.stop)
             if current is None:
                 return False
-            n_new = self._price(current.towards(self.duals, smoothing), watch.stop)
+            n_new = self._price(current.towards(self.duals, smoothing))
             if not watch.proved(self.proven):
                 return False
             close = self.master.value - self.proven <= tolerance
@@ -103,14 +103,14 @@ class ColumnGeneration:
         neighbours = {n.robot: (n.victims, n.neighbours) for n in self.networks}
         return Round(self.duals, neighbours)
 
-    def _price(self, duals: Duals, stop: StoppingCriterion) -> int:
+    def _price(self, duals: Duals) -> int:
         """The bound that `duals` prove, and the paths that they ask for; how many are new."""
         cheapest: list[float] = []
         found: list[Path] = []
         for network in self.networks:
             cost = reduced_costs(network, duals)
             try:
-                there = CheapestPaths(network, cost, stop.seconds_left)
+                there = CheapestPaths(network, cost)
             except TimeoutError:
                 return 0
             cheapest.append(min(there.minimum(), 0.0))

@@ -14,6 +14,7 @@ routing problem* (2011) for ng-routes; time-expanded states for completion times
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from copy import copy
 from dataclasses import replace
 from itertools import combinations
@@ -30,6 +31,8 @@ _MASK = (1 << _BITS) - 1
 _ROUNDING = 1e-9
 """Steps of time by which a time may be off without being another."""
 _DIGITS = 12
+_CELLS = 2**24
+"""Legs with memories, each of a bit per victim, that are looked at together."""
 
 Stops = tuple[tuple[int, tuple[int, ...], float], ...]
 """Victim, tasks served there, and when that is done, in order."""
@@ -50,6 +53,13 @@ class Network:
         Routes that serve a victim later are of no interest; may be infinite.
     maximum_steps : int
         Of time up to the robot's horizon; beyond them times are rounded down to coarser ones.
+    left : callable, optional
+        Seconds left, whenever states are built or priced.
+
+    Raises
+    ------
+    TimeoutError
+        Once there are none.
     """
 
     def __init__(
@@ -59,8 +69,9 @@ class Network:
         robot: int,
         deadline: Floats,
         maximum_steps: int,
+        left: Callable[[], float] = lambda: math.inf,
     ) -> None:
-        self.robot = robot
+        self.robot, self.left = robot, left
         self.victims: Ints = np.flatnonzero(data.can_visit[robot])
         m = self.m = len(self.victims)
         sets = [_options(tasks, robot, int(v)) for v in self.victims]
@@ -112,30 +123,46 @@ class Network:
         return np.asarray(far.argsort(axis=1, kind="stable").argsort(axis=1) < size)
 
     def remember(self, neighbours: Bools) -> None:
-        """Build the states in which victim v remembers ``neighbours[v]``, ``(m, m)``."""
+        """Build the states in which victim v remembers ``neighbours[v]``, ``(m, m)``.
+
+        Raises
+        ------
+        TimeoutError
+            If no time is left.
+        """
         self.neighbours = neighbours | np.eye(self.m, dtype=bool)
         self.rebuild()
 
     def rebuild(self) -> None:
-        """Build the states that `arc` and the neighbourhoods leave."""
+        """Build the states that `arc` and the neighbourhoods leave.
+
+        Raises
+        ------
+        TimeoutError
+            If no time is left.
+        """
         m = self.m
         # A memory is a number with one bit per neighbour of the victim; `bit` says which.
         count = self.neighbours.cumsum(axis=1)
         bit = np.vstack([np.where(self.neighbours, count - 1, -1), np.full((1, m), -1)])
         known = frontier = np.full(1, m << _BITS)
-        tails, heads = [], []
+        tails: list[Ints] = []
+        heads: list[Ints] = []
         while len(frontier):
-            at, memory = frontier >> _BITS, frontier & _MASK
-            recalls = (bit[at] >= 0) & (memory[:, None] >> np.maximum(bit[at], 0) & 1 == 1)
-            i, to = np.nonzero(~recalls & self.arc[at])
-            kept = np.where(
-                recalls[i] & self.neighbours[to], np.int64(1) << np.maximum(bit[to], 0), 0
-            ).sum(axis=1)
-            reached = to << _BITS | kept | np.int64(1) << bit[to, to]
-            tails.append(frontier[i])
-            heads.append(reached)
-            frontier = np.setdiff1d(reached, known)
+            found = len(heads)
+            for some in np.array_split(frontier, len(frontier) * m * m // _CELLS + 1):
+                self.look_at_clock()
+                at, memory = some >> _BITS, some & _MASK
+                recalls = (bit[at] >= 0) & (memory[:, None] >> np.maximum(bit[at], 0) & 1 == 1)
+                i, to = np.nonzero(~recalls & self.arc[at])
+                kept = np.where(
+                    recalls[i] & self.neighbours[to], np.int64(1) << np.maximum(bit[to], 0), 0
+                ).sum(axis=1)
+                tails.append(some[i])
+                heads.append(to << _BITS | kept | np.int64(1) << bit[to, to])
+            frontier = np.setdiff1d(np.concatenate(heads[found:]), known)
             known = np.union1d(known, frontier)
+        self.look_at_clock()
         self.at: Ints = known >> _BITS
         """The victim of each state; the last state is the start, ``(n_states,)``."""
         tail = np.searchsorted(known, np.concatenate(tails))
@@ -146,6 +173,11 @@ class Network:
         self.heads, self.first_in = np.unique(self.head, return_index=True)
         self.outward = np.argsort(self.tail, kind="stable")
         self.tails, self.first_out = np.unique(self.tail[self.outward], return_index=True)
+
+    def look_at_clock(self) -> None:
+        """Raise TimeoutError if no time is left."""
+        if self.left() <= 0.0:
+            raise TimeoutError
 
     @property
     def times(self) -> Floats:

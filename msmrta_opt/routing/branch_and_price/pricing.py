@@ -7,8 +7,6 @@ leg, so that whole blocks are computed at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
@@ -38,18 +36,14 @@ class CheapestPaths:
         Of one robot.
     cost : array, shape (m, n_options, last + 1)
         Of being done with an option at a time.
-    left : callable, optional
-        Seconds left.
 
     Raises
     ------
     TimeoutError
-        Once there are none.
+        If no time is left.
     """
 
-    def __init__(
-        self, network: Network, cost: Floats, left: Callable[[], float] | None = None
-    ) -> None:
+    def __init__(self, network: Network, cost: Floats) -> None:
         self.network, self.cost = network, cost
         block, last = network.block, network.last
         pad = max(int(network.leg.max()), int(network.extra.max()))
@@ -64,8 +58,7 @@ class CheapestPaths:
         rows = [heads * width + pad - network.extra[victim, j] for j in range(network.n_options)]
         ahead = np.pad(cost, ((0, 0), (0, 0), (0, block)), constant_values=np.inf)
         for t in range(1, last + 1, block):
-            if left is not None and left() <= 0:
-                raise TimeoutError
+            network.look_at_clock()
             way = np.minimum.reduceat(done_from[base + t], network.first_in, axis=0)
             short[heads, pad + t : pad + t + block] = way
             best = way + ahead[victim, 0, t : t + block]
@@ -134,6 +127,11 @@ def costs_to_go(network: Network, cost: Floats) -> tuple[Floats, Floats]:
         From a state whose service is done at that time; at most 0, for stopping there.
     into : array, shape (n_states, >= last + 1)
         From a state whose shortest option would be done at that time; infinite beyond `last`.
+
+    Raises
+    ------
+    TimeoutError
+        If no time is left.
     """
     block, last = network.block, network.last
     beyond = max(int(network.leg.max()), int(network.extra.max())) + block
@@ -147,6 +145,7 @@ def costs_to_go(network: Network, cost: Floats) -> tuple[Floats, Floats]:
     base = (network.head * width + network.steps)[network.outward]
     rows = np.arange(network.n_states - 1) * width
     for t in range(last + 1, 0, -block):
+        network.look_at_clock()
         # Columns t .. t + block - 1 stand for times that are `block` less.
         own = np.minimum.reduceat(into_from[base + t], network.first_out, axis=0)
         after[:, t : t + block] = 0.0

@@ -113,7 +113,7 @@ class _Search:
             self.tell()
 
     def open_root(self) -> bool:
-        """Open the root, if networks of a size to work with order the visits in time."""
+        """Open the root, if networks of a size and time to work with order the visits in time."""
         data, p = self.data, self.parameters
         robots = [r for r in range(data.n_robots) if data.can_visit[r].any()]
         if any(
@@ -123,18 +123,31 @@ class _Search:
         ):
             return False
         deadline = _deadlines(data, self.progress.value)
-        networks = [Network(data, self.tasks, r, deadline, p.maximum_steps) for r in robots]
-        if any(network.timeless for network in networks):
+        left = self.progress.left
+        try:
+            networks = [
+                Network(data, self.tasks, r, deadline, p.maximum_steps, left) for r in robots
+            ]
+            if any(network.timeless for network in networks):
+                return False
+            self.time_steps = {network.robot: network.step for network in networks}
+            for network in networks:
+                network.remember(network.nearest(p.first_neighbourhood))
+        except TimeoutError:
             return False
-        self.time_steps = {network.robot: network.step for network in networks}
-        for network in networks:
-            network.remember(network.nearest(p.first_neighbourhood))
         duals = Duals.zero(data.priority, tuple(self.master.breakpoints), self.tasks.victim)
         self.tree.open(networks, self.paths_of(self.progress.routes), duals, -math.inf)
         return True
 
     def process(self, node: Node) -> None:
         """Bound a node; close it by enumeration or divide it in two, unless time runs out."""
+        try:
+            self.work_on(node)
+        except TimeoutError:
+            self.leave()
+
+    def work_on(self, node: Node) -> None:
+        """As `process`; where a network is cut short, TimeoutError says so."""
         generation = ColumnGeneration(
             node.networks,
             self.master,

@@ -14,18 +14,27 @@ from support.searches import Told, closed_in
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.optimise.check import dual_bound
 from msmrta_opt.routing.bound import Bound
-from msmrta_opt.routing.branch_and_cut import tree
+from msmrta_opt.routing.branch_and_cut import highs_tree, scip_tree, tree
+from msmrta_opt.routing.branch_and_cut.cutting_plane import Relaxation
 from msmrta_opt.routing.branch_and_cut.edge_formulation import EdgeFormulation
 from msmrta_opt.routing.branch_and_cut.points import point_of, routes_of
+from msmrta_opt.routing.branch_and_cut.root import Root
 from msmrta_opt.routing.branch_and_cut.root_proof import RootRelaxation
 from msmrta_opt.routing.branch_and_cut.search import branch_and_cut
 from msmrta_opt.routing.branch_and_cut.subproblem import Subproblem
 from msmrta_opt.routing.branch_and_cut.tree import search_tree
-from msmrta_opt.routing.callbacks import SearchState
+from msmrta_opt.routing.callbacks import Callbacks, SearchState
 from msmrta_opt.routing.incumbent import Progress
 from msmrta_opt.routing.objectives import OBJECTIVES, value
+from msmrta_opt.routing.parameters import Parameters
 from msmrta_opt.routing.problem import Routes, RoutingData, faults
-from msmrta_opt.routing.stop import Interruption, MaximumRuntime, RelativeGap, relative_gap
+from msmrta_opt.routing.stop import (
+    Interruption,
+    MaximumRuntime,
+    RelativeGap,
+    StoppingCriterion,
+    relative_gap,
+)
 
 BOTH = ("total_time", "makespan")
 TREES = {"SCIP": True, "HiGHS": False}
@@ -102,6 +111,43 @@ def test_without_scip_the_method_proves_the_same(
     routes, bound = closed_in(data, objective, any_routes(data))
     assert bound.value == pytest.approx(minimum(data, objective))
     holds(data, objective, routes, bound)
+
+
+@pytest.mark.parametrize("failing", [("SCIP",), ("SCIP", "HiGHS")], ids="+".join)
+def test_a_solver_that_fails_loses_neither_the_routes_nor_the_bound_there_are(
+    failing: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The other solver goes on if there is one, and the search says who failed."""
+    data = small_mission(1, 2, 6)
+    monkeypatch.setattr(tree, "has_scip", lambda: True)
+
+    def fail(*_: object, **__: object) -> None:
+        raise Exception("SCIP: error in input data!")
+
+    monkeypatch.setattr(scip_tree, "_add_variables", fail)
+    if "HiGHS" in failing:
+        monkeypatch.setattr(highs_tree, "_model", fail)
+    formulation = EdgeFormulation.of(data, "total_time", 1000.0)
+    relaxed = Relaxation(formulation).solve()
+    seen: list[str] = []
+
+    class Phases(Callbacks):
+        def phase_began(self, state: SearchState, phase: str) -> None:
+            seen.append(phase)
+
+    progress = Progress(data, "total_time", any_routes(data), callbacks=Phases())
+    root = Root(
+        progress, formulation, relaxed, np.ones(formulation.n_columns, dtype=bool), 0, Parameters()
+    )
+    before = progress.value
+    outcome = root.search(formulation.upper, stop=StoppingCriterion())
+    assert seen == [f"{solver} failed: error in input data!" for solver in failing]
+    assert outcome.complete == ("HiGHS" not in failing)
+    if outcome.complete:
+        assert progress.value == pytest.approx(minimum(data, "total_time"))
+        assert outcome.bound == pytest.approx(progress.value)
+    else:
+        assert (progress.value, outcome.bound) == (before, -np.inf)
 
 
 @pytest.mark.parametrize("objective", BOTH)

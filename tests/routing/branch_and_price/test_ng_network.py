@@ -168,3 +168,17 @@ def test_densities_of_tasks_never_cost_more_than_the_last() -> None:
 def test_intervals_of_time_add_up_to_it() -> None:
     parts = time_in_intervals(np.array([0.0, 3.0, 7.5]), np.array([0.0, 2.0, 5.0, 20.0]))
     assert parts.tolist() == [[0, 0, 0], [2, 0, 0], [3, 2, 0], [3, 4.5, 12.5]]
+
+
+def test_without_time_states_are_neither_built_nor_priced() -> None:
+    data, tasks, network = made(0)
+    cost, _ = priced(0, tasks, network)
+    network.left = lambda: 0.0
+    with pytest.raises(TimeoutError):
+        network.rebuild()
+    with pytest.raises(TimeoutError):
+        CheapestPaths(network, cost)
+    with pytest.raises(TimeoutError):
+        costs_to_go(network, cost)
+    with pytest.raises(TimeoutError):
+        Network(data, tasks, network.robot, np.full(data.n_victims, np.inf), 4000, lambda: 0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 
 import numpy as np
 import pytest
@@ -14,7 +14,9 @@ from support.searches import Told, closed_in
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.routing.bound import Bound
+from msmrta_opt.routing.branch_and_price.search import branch_and_price
 from msmrta_opt.routing.callbacks import SearchState
+from msmrta_opt.routing.incumbent import Progress
 from msmrta_opt.routing.objective_step import objective_step
 from msmrta_opt.routing.objectives import value
 from msmrta_opt.routing.problem import Routes, RoutingData, faults, times
@@ -151,6 +153,26 @@ def test_without_time_there_is_the_combinatorial_bound() -> None:
     assert routes == incumbent
     assert isinstance(bound, Bound)
     assert bound.proof == "combinatorial"
+
+
+def test_time_that_runs_out_within_a_network_leaves_the_bound_there_is() -> None:
+    """However often the clock was looked at before: networks are built and priced in steps."""
+    data = small_mission(1, 4, 12)
+    incumbent = any_routes(data)
+    at_once = closed_in(data, "latency", incumbent, MaximumRuntime(0))[1].value
+    for last in (2, 5, 9, 14, 40, 300):
+        looks = count(1)
+        progress = Progress(
+            data,
+            "latency",
+            incumbent,
+            stop=Interruption(lambda looks=looks, last=last: next(looks) > last),
+        )
+        bound = branch_and_price(progress)
+        assert not faults(data, progress.routes)
+        assert at_once - 1e-9 <= bound.value <= progress.value
+        # Once it is met nothing goes on for long.
+        assert next(looks) < last + 20
 
 
 def test_places_that_take_no_time_leave_the_combinatorial_bound() -> None:
