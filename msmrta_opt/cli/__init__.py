@@ -45,7 +45,7 @@ from . import (
     watch,
     workload,
 )
-from .console import json_asked
+from .console import json_asked, put_off
 from .screen import open_closed_descriptors, screens
 
 app = typer.Typer(
@@ -92,7 +92,10 @@ def run(arguments: list[str]) -> int:
     """Run one command; returns its exit status."""
     with interruption.command(), screens() as (out, _):
         json_asked(None)
-        status = _run(arguments)
+        with put_off() as failures:
+            status = _run(arguments)
+        for problem in dict.fromkeys(map(_worded, failures)):
+            status = max(status, _complain(problem, 2))
         out.flush()
         if out.failure is not None:
             status = status or _complain(f"standard output: {out.failure.strerror}", 2)
@@ -116,12 +119,18 @@ def _run(arguments: list[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         return _interrupted()
     except OSError as error:
-        # A full disk, a name too long: the system's own words.
-        named = f"{error.filename}: " if error.filename else ""
-        return _complain(f"{named}{error.strerror or error}", 2)
+        return _complain(_worded(error), 2)
     if status == 130:  # typer's word for a Ctrl-C, whichever signal it was
         return _interrupted()
     return status if isinstance(status, int) else 0
+
+
+def _worded(error: Exception) -> str:
+    if not isinstance(error, OSError):
+        return str(error)
+    # A full disk, a name too long: the system's own words.
+    named = f"{error.filename}: " if error.filename else ""
+    return f"{named}{error.strerror or error}"
 
 
 def _interrupted() -> int:

@@ -301,7 +301,7 @@ def _write(
 ) -> None:
     from ..studies.analysis.regression import save_baseline
     from ..studies.solves import documents_of, table_of
-    from .console import write_json
+    from .console import write_json, writing
     from .outputs import write_table
 
     if csv is not None or parquet is not None:
@@ -311,6 +311,8 @@ def _write(
         from ..plots import save_figure
         from ..studies.analysis.profile import performance_profile
 
-        save_figure(performance_profile(rows), figure)
+        with writing("", figure):
+            save_figure(performance_profile(rows), figure)
     if save is not None:
-        save_baseline(rows, save)
+        with writing("", save):
+            save_baseline(rows, save)

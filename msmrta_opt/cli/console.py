@@ -10,7 +10,8 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
@@ -67,6 +68,42 @@ Json = Annotated[
 ]
 
 
+_unwritten: ContextVar[list[Exception] | None] = ContextVar("unwritten", default=None)
+"""Why files of the command that runs were not written."""
+
+
+@contextmanager
+def put_off() -> Iterator[list[Exception]]:
+    """Within it `writing` keeps why a file is not written, in the list that is given, and goes on."""
+    failures: list[Exception] = []
+    before = _unwritten.set(failures)
+    try:
+        yield failures
+    finally:
+        _unwritten.reset(before)
+
+
+@contextmanager
+def writing(what: str, file: Path) -> Iterator[None]:
+    """Write `file` within it; then `what` is said to be written, where that is not empty.
+
+    Where it cannot be written, that is said once the command has ended: other files are written and
+    tables shown all the same.
+    """
+    from ..mission.errors import InputError
+
+    failures = _unwritten.get()
+    try:
+        yield
+    except (InputError, OSError) as error:
+        if failures is None:
+            raise
+        failures.append(error)
+    else:
+        if what:
+            say(f"{what} written to {file}")
+
+
 def write_json(path: Path | None, document: object, *, what: str = "") -> None:
     """Write a document where ``--json`` asks for it, and say so of `what` in a file."""
     from ..mission.files import write_text
@@ -77,9 +114,8 @@ def write_json(path: Path | None, document: object, *, what: str = "") -> None:
     if path == STANDARD_OUTPUT:
         sys.stdout.write(text)
         return
-    write_text(path, text)
-    if what:
-        say(f"{what} written to {path}")
+    with writing(what, path):
+        write_text(path, text)
 
 
 def _plain(value: Any) -> Any:

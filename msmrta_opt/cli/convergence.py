@@ -31,7 +31,7 @@ def convergence(
     """Show incumbent and bound of exact plans over time, several in one picture."""
     from ..mission.convergence import Convergence
     from ..mission.plan import Plan
-    from .console import number, say, table, write_json
+    from .console import number, say, table, write_json, writing
     from .outputs import check_outputs
 
     check_outputs(json, figure=figure, inputs=plans)
@@ -42,8 +42,8 @@ def convergence(
     if figure is not None:
         from ..plots import save_figure
 
-        save_figure(found.plot(), figure)
-        say(f"picture written to {figure}")
+        with writing("picture", figure):
+            save_figure(found.plot(), figure)
     for name, search in found.searches.items():
         table(
             f"{name}: {search.objective} over time",

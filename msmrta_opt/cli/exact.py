@@ -60,7 +60,7 @@ def exact(
     from ..planners.support.plan_proof import prove_plan, require_suffix, with_proof
     from ..routing.callbacks import Callbacks, SearchState
     from ..routing.parameters import Parameters
-    from .console import STANDARD_OUTPUT
+    from .console import STANDARD_OUTPUT, writing
     from .outputs import check_outputs, write_plan
     from .proofs import say_proof
     from .tables import show_certificates, show_plan
@@ -110,5 +110,6 @@ def exact(
         if only_once:
             write_plan(made, json, None)
         elif json is not None:
-            made.save(json)
+            with writing("", json):
+                made.save(json)
         say_proof(str(proof), found)

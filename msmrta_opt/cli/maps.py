@@ -49,7 +49,7 @@ def show_map(
     """
     from ..mission.map_files import is_floor, read_floor_map, read_map_file
     from ..mission.maps import write_map
-    from .console import say, table, write_json
+    from .console import say, table, write_json, writing
     from .outputs import check_outputs
 
     check_outputs(output, json, figure=figure, inputs=[file])
@@ -105,8 +105,8 @@ def show_map(
     if figure is not None:
         from ..plots import plot_floor, plot_map, save_figure
 
-        save_figure(plot_floor(made) if is_floor(file) else plot_map(grid), figure)
-        say(f"picture written to {figure}")
+        with writing("picture", figure):
+            save_figure(plot_floor(made) if is_floor(file) else plot_map(grid), figure)
     table(f"Map {grid.name}", ["what", "value"], rows)
 
 

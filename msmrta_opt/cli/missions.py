@@ -136,7 +136,7 @@ def scout(
     """Send out an instance's scouts, and print who found whom, and when."""
     from ..mission.instance import Instance
     from ..stages.scouting import scouting
-    from .console import say, table, write_json
+    from .console import say, table, write_json, writing
     from .outputs import check_outputs
 
     check_outputs(json, figure=figure, inputs=[instance])
@@ -153,8 +153,8 @@ def scout(
     if figure is not None:
         from .outputs import scouting_figure
 
-        scouting_figure(mission, report, figure)
-        say(f"picture written to {figure}")
+        with writing("picture", figure):
+            scouting_figure(mission, report, figure)
     rows = [(find.victim, find.scout, find.step) for find in report.finds]
     table("Victims found", ["victim", "scout", "step"], rows)
     say(

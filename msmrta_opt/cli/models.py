@@ -172,7 +172,7 @@ def show(
     """Print a formulation's mathematics; for an instance also its size, its structure and its data."""
     from ..mission.errors import InputError
     from ..optimise import registry
-    from .console import say, write_json
+    from .console import say, write_json, writing
     from .outputs import check_outputs
 
     check_outputs(json, figure=matrix, inputs=[instance])
@@ -205,8 +205,8 @@ def show(
         program = compile_formulation(formulation, given).program(
             **numbers(formulation, parameters)
         )
-        save_figure(plot_matrix(program), matrix)
-        say(f"picture written to {matrix}")
+        with writing("picture", matrix):
+            save_figure(plot_matrix(program), matrix)
     say(formulation.mathematics)
     say()
     for name, item in formulation.spec.parameters.items():

@@ -83,28 +83,34 @@ def check_parquet(path: Path | None) -> None:
         raise InputError("needs pyarrow; pip install 'msmrta_opt[parquet]'", field="--parquet")
 
 
-def write_table(table: pd.DataFrame, csv: Path | None, parquet: Path | None) -> None:
-    """Write a table where it is asked for, without its index."""
+def write_table(
+    table: pd.DataFrame, csv: Path | None, parquet: Path | None, what: str = ""
+) -> None:
+    """Write a table where it is asked for, without its index, and say so of `what`."""
+    from .console import writing
+
     if csv is not None:
-        write_with(csv, lambda path: table.to_csv(path, index=False))
+        with writing(what, csv):
+            write_with(csv, lambda path: table.to_csv(path, index=False))
     if parquet is not None:
-        write_with(parquet, lambda path: table.to_parquet(path, index=False))
+        with writing(what, parquet):
+            write_with(parquet, lambda path: table.to_parquet(path, index=False))
 
 
 def write_plan(plan: Plan, json: Path | None, figure: Path | None) -> None:
     """Write a plan's document and its picture where they are asked for, and say so."""
-    from .console import STANDARD_OUTPUT, say, write_json
+    from .console import STANDARD_OUTPUT, write_json, writing
 
     if json == STANDARD_OUTPUT:
         write_json(json, plan.document())
     elif json is not None:
-        plan.save(json)
-        say(f"plan written to {json}")
+        with writing("plan", json):
+            plan.save(json)
     if figure is not None:
         from ..plots import save_figure
 
-        save_figure(plan.plot(), figure)
-        say(f"picture written to {figure}")
+        with writing("picture", figure):
+            save_figure(plan.plot(), figure)
 
 
 KINDS = ("msmrta-instance", "msmrta-plan", "msmrta-run")

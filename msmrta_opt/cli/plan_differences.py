@@ -24,7 +24,7 @@ def diff_plans(before: PlanFile, after: PlanFile, json: Json = None, figure: Fig
     from ..certify.same_mission import differences
     from ..mission.plan import Plan
     from ..mission.plan_difference import SERVED
-    from .console import say, table, write_json
+    from .console import say, table, write_json, writing
     from .outputs import check_outputs
 
     check_outputs(json, figure=figure, inputs=[before, after])
@@ -41,8 +41,8 @@ def diff_plans(before: PlanFile, after: PlanFile, json: Json = None, figure: Fig
     if figure is not None:
         from ..plots import save_figure
 
-        save_figure(found.plot(), figure)
-        say(f"picture written to {figure}")
+        with writing("picture", figure):
+            save_figure(found.plot(), figure)
     table(
         f"Metrics of {before} and {after}",
         ["metric", "before", "after", "difference"],

@@ -51,7 +51,7 @@ def compare_plans(
     from ..planners import plan as make_plan
     from ..studies.analysis.staging import candidates, price_of_staging
     from ..studies.missions import read_instances
-    from .console import say, write_json
+    from .console import write_json, writing
     from .outputs import check_outputs
 
     objective_of(objective)
@@ -82,8 +82,8 @@ def compare_plans(
             from ..plots import save_figure
             from ..studies.analysis.staging_picture import staging_losses
 
-            save_figure(staging_losses(losses_of, objective), figure)
-            say(f"picture written to {figure}")
+            with writing("picture", figure):
+                save_figure(staging_losses(losses_of, objective), figure)
         for name, plans in compared.items():
             _show(name, objective, plans, losses_of.get(name, []))
         if interrupted():

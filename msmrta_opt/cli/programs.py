@@ -103,11 +103,11 @@ def _draw(
     from ..optimise.compile import compile_formulation
     from ..plots import save_figure
     from ..studies.analysis.solution_picture import plot_solution
-    from .console import say
+    from .console import writing
 
     program = compile_formulation(formulation, data).program(**values)
-    save_figure(plot_solution(program, solution), path)
-    say(f"picture written to {path}")
+    with writing("picture", path):
+        save_figure(plot_solution(program, solution), path)
 
 
 def _start(

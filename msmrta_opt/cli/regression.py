@@ -44,11 +44,14 @@ def write_reports(
     """Write the reports for other programs where they are asked for."""
     from ..mission.files import write_text
     from ..studies.analysis import regression_files
+    from .console import writing
 
     if junit is not None:
-        write_text(junit, regression_files.junit(records, found, wrong))
+        with writing("", junit):
+            write_text(junit, regression_files.junit(records, found, wrong))
     if markdown is not None:
-        write_text(markdown, regression_files.markdown(records, found, wrong))
+        with writing("", markdown):
+            write_text(markdown, regression_files.markdown(records, found, wrong))
 
 
 def show(found: Regression, against: Path) -> None:

@@ -78,7 +78,7 @@ def run(
     from ..mission.plan import Plan
     from ..mission.scenario import Scenario
     from ..routing.objectives import DEFAULT, objective_of
-    from .console import STANDARD_OUTPUT, say, write_json
+    from .console import STANDARD_OUTPUT, say, write_json, writing
     from .outputs import check_outputs, named_values
 
     for name, number in {"--runs": runs, "--jobs": jobs}.items():
@@ -126,13 +126,13 @@ def run(
     if json == STANDARD_OUTPUT:
         write_json(json, happened.document())
     elif json is not None:
-        happened.save(json)
-        say(f"run written to {json}")
+        with writing("run", json):
+            happened.save(json)
     if figure is not None:
         from ..plots import save_figure
 
-        save_figure(happened.plot(), figure)
-        say(f"picture written to {figure}")
+        with writing("picture", figure):
+            save_figure(happened.plot(), figure)
     _show(happened)
     if happened.hindsight is not None:
         say(f"Hindsight, for what was served: {happened.hindsight}.")

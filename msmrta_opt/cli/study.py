@@ -101,7 +101,7 @@ def export(
     from ..mission.errors import InputError
     from ..studies.record import frame
     from ..studies.study import study as open_study
-    from .console import say, write_json
+    from .console import write_json
     from .outputs import check_outputs, check_parquet, write_table
 
     if csv is None and parquet is None and json is None:
@@ -110,11 +110,9 @@ def export(
     check_parquet(parquet)
     records = open_study(study).state().records
     table = frame(records).convert_dtypes()
-    write_table(table, csv, parquet)
-    write_json(json, table.astype(object).where(table.notna(), None).to_dict("records"))
-    for path in (csv, parquet, json):
-        if path is not None:
-            say(f"{len(records)} runs written to {path}")
+    what = f"{len(records)} runs"
+    write_table(table, csv, parquet, what=what)
+    write_json(json, table.astype(object).where(table.notna(), None).to_dict("records"), what=what)
 
 
 def report(

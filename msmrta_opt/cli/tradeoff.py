@@ -52,7 +52,7 @@ def tradeoff(
     from ..mission.errors import InputError
     from ..mission.instance import Instance
     from ..studies.analysis import tradeoff as study
-    from .console import say, write_json
+    from .console import say, write_json, writing
     from .outputs import check_outputs
 
     check_outputs(csv, json, explore, figure=figure, inputs=[instance])
@@ -86,13 +86,13 @@ def tradeoff(
             from ..studies.analysis.tradeoff_pages import regions_figure, tradeoff_figure
 
             drawn = regions_figure(regions) if len(names) > 1 else tradeoff_figure(result)
-            save_figure(drawn, figure)
-            say(f"picture written to {figure}")
+            with writing("picture", figure):
+                save_figure(drawn, figure)
         if explore is not None:
             from ..studies.analysis.plan_space import PlanSpace
 
-            PlanSpace(regions).save(explore)
-            say(f"page written to {explore}")
+            with writing("page", explore):
+                PlanSpace(regions).save(explore)
         if len(names) > 1:
             _show_regions(regions, rows)
         else:
@@ -186,10 +186,10 @@ def _write_csv(rows: list[dict[str, object]], path: Path) -> None:
     import pandas as pd
 
     from ..mission.files import write_with
-    from .console import say
+    from .console import writing
 
-    write_with(path, lambda file: pd.DataFrame(rows).to_csv(file, index=False))
-    say(f"table written to {path}")
+    with writing("table", path):
+        write_with(path, lambda file: pd.DataFrame(rows).to_csv(file, index=False))
 
 
 def _short(number: Fraction) -> str:

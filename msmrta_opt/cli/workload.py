@@ -24,7 +24,7 @@ def workload(
     """Show each robot's time of service and of travel."""
     from ..mission.plan import Plan
     from ..mission.plan_tables import robots
-    from .console import say, table, write_json
+    from .console import table, write_json, writing
     from .outputs import check_outputs
 
     check_outputs(json, figure=figure, inputs=[plan])
@@ -34,6 +34,6 @@ def workload(
     if figure is not None:
         from ..plots import plot_workload, save_figure
 
-        save_figure(plot_workload(made), figure)
-        say(f"picture written to {figure}")
+        with writing("picture", figure):
+            save_figure(plot_workload(made), figure)
     table(f"Workload of {plan}", list(rows[0]), [tuple(row.values()) for row in rows])

@@ -16,6 +16,8 @@ from msmrta_opt.mission.plan import Plan
 Run = Callable[..., int]
 Capture = pytest.CaptureFixture[str]
 
+FULL = Path("/dev/full")
+needs_full_device = pytest.mark.skipif(not FULL.exists(), reason="there is no /dev/full here")
 posix = pytest.mark.skipif(os.name != "posix", reason="devices are those of POSIX")
 
 WRONG: dict[str, tuple[bytes, str]] = {
@@ -228,3 +230,21 @@ def test_a_reader_that_has_left_is_no_error(corridor_file: Path) -> None:
         process.stdout.close()
         assert process.stderr.read() == b""
         assert process.wait() == 0
+
+
+@needs_full_device
+def test_an_output_that_cannot_be_written_costs_neither_the_others_nor_the_screen(
+    msmrta: Run, corridor_file: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    """What could not be written is said at the end, and that it was written is not."""
+    figure, copy = tmp_path / "plan.svg", tmp_path / "plan.json"
+    assert msmrta("plan", corridor_file, "--json", FULL, "--figure", figure) == 2
+    said = capsys.readouterr()
+    assert said.err == f"error: {FULL}: cannot be written (No space left on device)\n"
+    assert f"picture written to {figure}" in said.out
+    assert f"written to {FULL}" not in said.out
+    assert "Certificates" in said.out
+    assert figure.read_text().endswith("</svg>\n")
+    # What comes after is as ever.
+    assert msmrta("plan", corridor_file, "--json", copy) == 0
+    Plan.read(copy)
