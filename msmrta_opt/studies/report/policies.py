@@ -18,7 +18,7 @@ from scipy import stats
 
 from ...mission.metrics import METRICS
 from ...mission.run_metrics import RUN_METRICS
-from ...plots.lettering import plain, told_apart
+from ...plots.lettering import plain, shortened, told_apart
 from ...plots.style import INK
 from ...routing.objectives import DEFAULT
 from .blocks import Block, Picture, Section, Table, Words
@@ -190,43 +190,60 @@ def _compared(runs: pd.DataFrame, quality: str) -> Comparison:
 
 
 def policy_sentence(scenario: str, found: Comparison) -> str:
-    """Who wins under a scenario, by how much, and what deciding took; nothing of one contender."""
+    """Who wins under a scenario, by how much, and what deciding took; nothing of one contender.
+
+    Whoever wins does so against each of the others; else one is named against whom it may be chance.
+    """
     if len(found.contenders) < 2 or not len(found.common):
         return ""
-    n, (best, *others), alike = len(found.common), found.order, found.equals
-    rest = [who for who in others if who not in alike]
-    if not rest:
-        return f"Under {scenario}, all come to the same, in each of {n} runs."
-    second = rest[0]
-    pair, what = found.pair(best, second, common=True), found.metric.label
-    gap = mean_of(100 * (found.served[best] - found.served[second])[found.common].to_numpy(float))
-    is_known = pair.quality.is_known
-    if gap.value > 100 * SAME:
-        is_known = gap.low > 0
-        share, less = (100 * found.mean_served(who) for who in (best, second))
-        more = f"{share:.4g} % of what can be served against {less:.4g} %"
-        told = f"{gap.value:.3g} points more"
-        if n > 1:
-            told += f", {CONFIDENCE:.0%} confidence: {gap.low:.3g} to {gap.high:.3g}"
-    elif pair.quality.n:
-        more = f"as much, at a {what} {percent(pair.quality, n, 'runs')} than that"
-        told = ""
-    else:
-        more, told = "as much as that", "never the same in one run"
-    counted = f"better in {pair.wins}, equal in {pair.ties}, worse in {pair.losses} of {n} runs"
-    counted = "; ".join(filter(None, [told, counted]))
-    equal = [who for who in alike if who != best]
-    if is_known:
-        said = f"{best} wins: it serves {more} of {second}, the next ({counted})"
-    else:
+    (best, *others), alike = found.order, found.equals
+    leads = [_Lead.of(found, best, who) for who in others if who not in alike]
+    if not leads:
+        return f"Under {scenario}, all come to the same, in each of {len(found.common)} runs."
+    chance = [lead for lead in leads if not lead.is_known]
+    if chance:
+        lead = chance[0]
         said = (
-            f"nobody wins: {best} and {second} differ by what may be chance; the first serves {more} of"
-            f" the second ({counted})"
+            f"nobody wins: {best} and {lead.other} differ by what may be chance; the first serves"
+            f" {lead.more} of the second ({lead.counted})"
         )
+    else:
+        lead = leads[0]
+        said = f"{best} wins: it serves {lead.more} of {lead.other}, the next ({lead.counted})"
+    equal = [who for who in alike if who != best]
     said += f". As good and slower: {', '.join(equal)}" if equal else ""
     seconds = found.mean_seconds(best)
     took = "" if np.isnan(seconds) else f" Its decisions take {shown(seconds)} s a run."
     return f"Under {scenario}, {said}.{took}"
+
+
+@dataclass(frozen=True)
+class _Lead:
+    """How the best differs from another; it is known where the interval leaves out no difference."""
+
+    other: str
+    is_known: bool
+    more: str
+    counted: str
+
+    @classmethod
+    def of(cls, found: Comparison, best: str, other: str) -> _Lead:
+        """By what is served; where that is as much, by quality where both serve the same."""
+        n, pair = len(found.common), found.pair(best, other, common=True)
+        counted = f"better in {pair.wins}, equal in {pair.ties}, worse in {pair.losses} of {n} runs"
+        gaps = (found.served[best] - found.served[other])[found.common]
+        gap = mean_of(100 * gaps.to_numpy(float))
+        if gap.value > 100 * SAME:
+            share, less = (100 * found.mean_served(who) for who in (best, other))
+            told = f"{gap.value:.3g} points more"
+            if n > 1:
+                told += f", {CONFIDENCE:.0%} confidence: {gap.low:.3g} to {gap.high:.3g}"
+            more = f"{share:.4g} % of what can be served against {less:.4g} %"
+            return cls(other, gap.low > 0, more, f"{told}; {counted}")
+        if not pair.quality.n:
+            return cls(other, False, "as much as that", f"never the same in one run; {counted}")
+        more = f"as much, at a {found.metric.label} {percent(pair.quality, n, 'runs')} than that"
+        return cls(other, pair.quality.is_known, more, counted)
 
 
 def _pairs(scenario: str, runs: pd.DataFrame, quality: str, name: str) -> Table | None:
@@ -279,9 +296,11 @@ def _regret(scenario: str, runs: pd.DataFrame, name: str) -> Table | None:
 
 
 def served_picture(runs: pd.DataFrame) -> Picture:
-    """What share of the available requirements runs serve, by scenario and contender."""
+    """What share of the available requirements runs serve, scenario by scenario, by contender."""
     rows = []
-    for (scenario, contender), mine in runs.groupby(["scenario", "contender"], sort=False):
+    order = {scenario: i for i, scenario in enumerate(runs["scenario"].unique())}
+    groups = list(runs.groupby(["scenario", "contender"], sort=False))
+    for (scenario, contender), mine in sorted(groups, key=lambda group: order[group[0][0]]):
         values = 100 * mine["served_share"].to_numpy(float)
         mean = mean_of(values)
         rows.append(
@@ -296,14 +315,23 @@ def served_picture(runs: pd.DataFrame) -> Picture:
             }
         )
     data = pd.DataFrame(rows)
-    figure, ax = own_axes(6.4, 1.2 + 0.42 * max(len(data), 2))
-    places = np.arange(len(data))
+    # Above the contenders under a scenario there is a line with its name.
+    headings = np.flatnonzero(~data["scenario"].duplicated())
+    places = np.arange(len(data)) + data["scenario"].map(order).to_numpy(int) + 1
+    n_lines = len(data) + len(headings)
+    figure, ax = own_axes(6.4, 1.2 + 0.42 * n_lines)
     ax.hlines(places, data["5 %"], data["95 %"], color=INK, lw=1)
     ax.hlines(places, data["from"], data["to"], color=INK, lw=4)
     ax.plot(data["mean"], places, "o", color=INK, ms=6)
+    said = told_apart(data["contender"])
+    ax.set_yticks(places, [plain(said[name]) for name in data["contender"]], color=INK)
+    for place, scenario in zip(places[headings] - 1, data["scenario"].iloc[headings], strict=True):
+        ax.text(
+            -0.02, place, f"under {shortened(scenario)}", transform=ax.get_yaxis_transform(),
+            ha="right", va="center", color=INK, weight="bold",
+        )  # fmt: skip
+    ax.set_ylim(n_lines - 0.5, -0.5)
     names = [f"{s}: {c}" for s, c in zip(data["scenario"], data["contender"], strict=True)]
-    ax.set_yticks(places, [plain(name) for name in told_apart(names).values()], color=INK)
-    ax.set_ylim(len(data) - 0.5, -0.5)
     ax.margins(x=0.04)
     ax.set_xlabel("available requirements served (%)")
     told = ", ".join(f"{name} {mean:.3g} %" for name, mean in zip(names, data["mean"], strict=True))
