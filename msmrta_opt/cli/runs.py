@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,6 +14,7 @@ from .missions import Figure, Seed
 
 if TYPE_CHECKING:
     from ..execution.many_runs import Outcome
+    from ..mission.metrics import Metric
     from ..mission.plan import Plan
     from ..mission.run import Run
     from ..mission.scenario import Scenario
@@ -283,29 +284,33 @@ def _show_many(
 ) -> None:
     from ..execution.distributions import QUANTILES, of_policy
     from ..mission.run_metrics import RUN_METRICS
-    from .console import number, table
+    from .console import table
 
     names = [name for name in names if any(x.policy == name for x in found)]
 
-    def interval(of: Any, scaled: Callable[[float], float]) -> str:
-        ends = (None if end is None else scaled(end) for end in (of.low, of.high))
-        return " to ".join(number(end, 4) for end in ends)
+    def interval(of: Any, entry: Metric[Any]) -> str:
+        return f"{_short(entry.scaled(of.low))} to {_short(entry.scaled(of.high))}"
 
     for policy in names:
-        rows = [
-            (
-                entry.label,
-                *(entry.scaled(quantile.value) for quantile in each),
-                interval(each[len(each) // 2], entry.scaled),
-                entry.unit,
-            )
-            for _, metric, each in _quantiles(found, [policy])
-            for entry in [RUN_METRICS[metric]]
-        ]
+        quantiles = [(RUN_METRICS[name], each) for _, name, each in _quantiles(found, [policy])]
+        middle = len(QUANTILES) // 2
+        has_interval = all(None not in (q[middle].low, q[middle].high) for _, q in quantiles)
+        few = "" if has_interval else ", too few for an interval of the median"
         table(
-            f"{policy}: quantiles of {len(of_policy(found, policy))} runs",
-            ["metric", *(f"{share:.0%}" for share in QUANTILES), "median, 95 %", "unit"],
-            rows,
+            f"{policy}: quantiles of {len(of_policy(found, policy))} runs{few}",
+            [
+                "metric",
+                *(f"{share:.0%}" for share in QUANTILES),
+                *(["median, 95 %"] if has_interval else []),
+            ],
+            [
+                (
+                    _with_unit(entry),
+                    *(_short(entry.scaled(quantile.value)) for quantile in each),
+                    *([interval(each[middle], entry)] if has_interval else []),
+                )
+                for entry, each in quantiles
+            ],
         )
     rows = [
         (policy, victim, time, f"{chance.value:.1%}", f"{chance.low:.1%} to {chance.high:.1%}")
@@ -316,25 +321,37 @@ def _show_many(
         ["policy", "victim", "by", "probability", "95 %"],
         rows,
     )
-    if len(names) > 1:
+    differences = _differences(found, names)
+    for other in names[1:]:
+        gaps = [(RUN_METRICS[name], gap) for who, name, gap in differences if who == other]
+        has_interval = all(None not in (gap.low, gap.high) for _, gap in gaps)
+        few = "" if has_interval else "; too few runs for an interval"
         table(
-            f"On the same seeds, less {names[0]}",
-            ["policy", "metric", "mean", "95 %", "unit", "less", "equal", "more"],
+            f"On the same seeds: {other} minus {names[0]}{few}",
+            ["metric", "mean", *(["95 %"] if has_interval else []), "less", "equal", "more"],
             [
                 (
-                    other,
-                    entry.label,
-                    entry.scaled(gap.mean),
-                    interval(gap, entry.scaled),
-                    entry.unit,
+                    _with_unit(entry),
+                    _short(entry.scaled(gap.mean)),
+                    *([interval(gap, entry)] if has_interval else []),
                     gap.less,
                     gap.equal,
                     gap.more,
                 )
-                for other, metric, gap in _differences(found, names)
-                for entry in [RUN_METRICS[metric]]
+                for entry, gap in gaps
             ],
         )
+
+
+def _short(value: float) -> str:
+    """In four digits, or up to six where the whole number has them."""
+    from .console import number
+
+    return number(value, min(max(len(f"{abs(value):.0f}"), 4), 6))
+
+
+def _with_unit(entry: Metric[Any]) -> str:
+    return f"{entry.label} ({entry.unit})" if entry.unit else entry.label
 
 
 def _show(run: Run) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from msmrta_opt import cli
+from msmrta_opt.cli import console
 from msmrta_opt.execution.distributions import difference, paired, probability, quantile
 from msmrta_opt.execution.many_runs import execute_many
 from msmrta_opt.mission.plan import Plan
@@ -95,10 +96,28 @@ def test_the_command_compares_policies(
     command = f"run {plan} --scenario {noise} --policy keep --policy repair --runs 5 --json {out}"
     assert cli.run([*command.split(), "--by", "400"]) == 0
     said = capsys.readouterr().out
-    assert "On the same seeds, less keep" in said
+    # The interval of a median takes six runs; what there is none of is said once, and is no column.
+    assert "repair: quantiles of 5 runs, too few for an interval of the median" in said
+    assert "On the same seeds: repair minus keep\n" in said
+    assert "–" not in said
     document = json.loads(out.read_text())
     assert len(document["runs"]) == 10
     assert {row["by"] for row in document["served"]} == {400.0}
+
+
+def test_the_tables_of_many_runs_fit_a_terminal_of_80_columns(
+    files: tuple[str, str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("msmrta_opt.cli.console.WIDTH_OF_FILES", 80)
+    console._console.cache_clear()
+    plan, noise = files
+    command = f"run {plan} --scenario {noise} --policy keep --policy repair --runs 6"
+    assert cli.run(command.split()) == 0
+    console._console.cache_clear()
+    said = capsys.readouterr().out
+    assert max(map(len, said.splitlines())) <= 80
+    assert "metric: " not in said  # as a list of records would have it
+    assert "median, 95 %" in said
 
 
 def test_the_command_writes_a_run_that_holds(files: tuple[str, str], tmp_path: Path) -> None:

@@ -13,7 +13,13 @@ from scipy import stats
 from msmrta_opt.mission.run_metrics import RUN_METRICS
 from msmrta_opt.studies.record import Record
 from msmrta_opt.studies.report.blocks import Table, Words
-from msmrta_opt.studies.report.policies import mean_of, policy_section, quantile_of, seeds_of
+from msmrta_opt.studies.report.policies import (
+    mean_of,
+    policy_section,
+    quantile_of,
+    seeds_of,
+    served_picture,
+)
 
 SERVED = {"keep": [0.5, 1.0, 1.0, 0.5], "repair": [1.0] * 4}
 TIME = {"keep": [10.0, 40.0, 40.0, 10.0], "repair": [30.0, 20.0, 20.0, 30.0]}
@@ -211,6 +217,28 @@ def test_whoever_wins_does_so_against_each_of_the_others() -> None:
         f"{12.5 - 12.5 * 3.182446:.3g} to {12.5 + 12.5 * 3.182446:.3g}; better in 1, equal in 0, worse"
         " in 3 of 4 runs)"
     )
+
+
+def test_the_picture_goes_scenario_by_scenario_and_cuts_no_contender() -> None:
+    """Records come planner by planner; what tells them apart is whole."""
+    long = "greedy, replan, stability = "
+    records = [
+        replace(record("repair", scenario), contender=f"{long}{price}")
+        for price in (0, 50)
+        for scenario in ("aftershock", "calm")
+    ]
+    picture = served_picture(seeds_of(records))
+    assert picture.data["scenario"].tolist() == ["aftershock"] * 2 + ["calm"] * 2
+    (ax,) = picture.figure.axes
+    ticks = [
+        (y, label.get_text())
+        for y, label in zip(ax.get_yticks(), ax.get_yticklabels(), strict=True)
+    ]
+    headings = [(text.get_position()[1], text.get_text()) for text in ax.texts]
+    assert sorted([*ticks, *headings]) == [
+        (0, "under aftershock"), (1, f"{long}0"), (2, f"{long}50"),
+        (3, "under calm"), (4, f"{long}0"), (5, f"{long}50"),
+    ]  # fmt: skip
 
 
 def test_of_many_policies_the_pairs_are_those_of_the_best() -> None:
