@@ -95,7 +95,7 @@ def run(
             raise InputError(f"{name!r} is repeated; give each policy once", field="--policy")
     options = _options(names, named_values(option))
     made = Plan.read(plan)
-    given = Scenario() if scenario is None else Scenario.read(scenario)
+    given = Scenario() if scenario is None else Scenario.read(scenario, made.instance.map)
     try:
         given.check_for(made.instance)
     except InputError as error:

@@ -50,7 +50,7 @@ def execute(
     if not isinstance(plan, Plan):
         raise InputError(f"{shown(plan)}; give a plan, as msmrta_opt.plan returns it", field="plan")
     check_plan(plan)
-    return execute_checked(plan, scenario_of(scenario), policy, seed, options)
+    return execute_checked(plan, scenario_of(scenario, plan), policy, seed, options)
 
 
 def execute_checked(
@@ -83,8 +83,8 @@ def execute_checked(
     return check_run(run.model_copy(update={"figures": run.metrics.as_dict()}))
 
 
-def scenario_of(given: Scenario | Mapping[str, Any] | None) -> Scenario:
-    """A scenario from whatever may be given for one.
+def scenario_of(given: Scenario | Mapping[str, Any] | None, plan: Plan) -> Scenario:
+    """A scenario from whatever may be given for one, to execute `plan`.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def scenario_of(given: Scenario | Mapping[str, Any] | None) -> Scenario:
     if isinstance(given, Scenario):
         return given
     if isinstance(given, Mapping):
-        return Scenario.from_document(dict(given))
+        return Scenario.from_document(dict(given), plan.instance.map)
     raise InputError(
         f"{shown(given)}; give a scenario, as Scenario.read(FILE) returns it", field="scenario"
     )

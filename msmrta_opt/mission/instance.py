@@ -24,8 +24,9 @@ from .fields import Amount, Id, Speed
 from .fields import CellField as CellField
 from .files import write_text
 from .grid import Cell
-from .map_field import MapField, cells_of_positions
+from .map_field import MapField
 from .mistakes import mistakes
+from .positions import cells_of_positions
 from .shipped import find_instance
 from .suggestions import meant
 from .validation import problems_of, read_model

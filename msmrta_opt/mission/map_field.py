@@ -1,4 +1,4 @@
-"""The map of an instance file, in each way that it can be given, and places on it in metres."""
+"""The map of an instance file, in each way that it can be given."""
 
 from __future__ import annotations
 
@@ -84,15 +84,6 @@ class _Frame(BaseModel):
             seen.add((row, col))
 
 
-class _Position(BaseModel):
-    """A place in metres."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    x: Coordinate
-    y: Coordinate
-
-
 def load_map(value: object, folder: Path) -> GridMap:
     """A map from what a document in `folder` holds: a path, its rows, or a floor.
 
@@ -111,7 +102,7 @@ def load_map(value: object, folder: Path) -> GridMap:
             grid = grid_from_rows(rows)
             if value.get("frame") is None:
                 return grid
-            frame = _validated(_Frame, value["frame"], "frame")
+            frame = validated(_Frame, value["frame"], "frame")
             try:
                 frame.check(grid)
             except InputError as error:
@@ -120,7 +111,7 @@ def load_map(value: object, folder: Path) -> GridMap:
                 grid, frame=Frame(frame.cell_size, frame.origin, len(rows), frame.off_centre)
             )
     if isinstance(value, Mapping) and {"file"} <= set(value) <= {"file", *OPTIONS}:
-        floor = _validated(_Floor, value, "")
+        floor = validated(_Floor, value, "")
         return read_map_file(
             folder / floor.file, **floor.model_dump(exclude={"file"}, exclude_none=True)
         )
@@ -130,57 +121,8 @@ def load_map(value: object, folder: Path) -> GridMap:
     )
 
 
-def cells_of_positions(document: Any, context: dict[str, Any]) -> Any:
-    """`document`, an instance's, with each place in metres replaced by the cell in which it lies.
-
-    Parameters
-    ----------
-    document : object
-        As JSON holds it; itself, if no place is in metres.
-    context : dict
-        Its ``folder`` is where the document lies; the map, if it is needed, is kept in ``map``.
-
-    Raises
-    ------
-    InputError
-        If the map has no frame, or a place is not on it.
-    """
-    if not isinstance(document, Mapping):
-        return document
-    places = [
-        (group, i, field)
-        for group, field in (("robots", "start"), ("victims", "cell"), ("scouts", "start"))
-        if isinstance(document.get(group), (list, tuple))
-        for i, member in enumerate(document[group])
-        if isinstance(member, Mapping) and isinstance(member.get(field), Mapping)
-    ]
-    if not places:
-        return document
-    changed = dict(document)
-    try:
-        grid = context["map"] = load_map(changed.get("map"), Path(context.get("folder", ".")))
-    except InputError as error:
-        raise said_of("map", error) from None
-    except ValueError as error:
-        raise InputError(str(error), field="map") from None
-    for group, i, field in places:
-        where = at(group, i, field)
-        members = changed[group] = list(changed[group])
-        position = _validated(_Position, members[i][field], where)
-        if grid.frame is None:
-            raise InputError(
-                f"{shown(members[i][field])}; this map has no frame, so give a cell, [row, col]",
-                field=where,
-            )
-        cell = grid.frame.cell(position.x, position.y)
-        if not grid.is_free(cell):
-            trouble = grid.trouble(cell, grid.frame.spot(position.x, position.y))
-            raise InputError(f"x {position.x:g}, y {position.y:g} is {trouble}", field=where)
-        members[i] = {**members[i], field: cell}
-    return changed
-
-
-def _validated(model: type[Any], value: Any, field: str) -> Any:
+def validated(model: type[Any], value: Any, field: str) -> Any:
+    """`value`, a document's `field`, as `model` has it; its first mistake is an `InputError`."""
     try:
         return model.model_validate(value)
     except ValidationError as error:

@@ -16,8 +16,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from .errors import InputError, all_of, at
 from .fields import Amount, CellField, Id
+from .grid import GridMap
 from .instance import Instance, Victim
 from .mistakes import mistakes_of_victim
+from .positions import cells_of_a_scenario
 from .suggestions import meant
 from .validation import problems_of, read_model
 
@@ -195,8 +197,15 @@ class Scenario(_Table):
                 yield InputError(f"{time:g}; the run ends then: give another time", field=field)
 
     @classmethod
-    def read(cls, path: str | Path) -> Scenario:
+    def read(cls, path: str | Path, grid: GridMap | None = None) -> Scenario:
         """Read a scenario file.
+
+        Parameters
+        ----------
+        path : str or path
+            The file.
+        grid : GridMap, optional
+            The map of the mission that it is for: with it cells may be given in metres, as x and y.
 
         Raises
         ------
@@ -204,15 +213,15 @@ class Scenario(_Table):
             Naming the file, the field, the offending value and what would be right; `MistakesError`
             of several mistakes.
         """
-        read = read_model(cls, path, toml=True)
+        read = read_model(cls, path, grid, cells_of_a_scenario, toml=True)
         if not read.model_fields_set:
             problem = f"is empty; give what may happen, or format = {FORMAT!r} alone for nothing"
             raise InputError(problem, file=path)
         return read
 
     @classmethod
-    def from_document(cls, document: dict[str, Any]) -> Scenario:
-        """A scenario from what its file would hold.
+    def from_document(cls, document: dict[str, Any], grid: GridMap | None = None) -> Scenario:
+        """A scenario from what its file would hold; `grid` as for a file.
 
         Raises
         ------
@@ -220,7 +229,7 @@ class Scenario(_Table):
             As for a file.
         """
         try:
-            return cls.model_validate(document)
+            return cls.model_validate(cells_of_a_scenario(document, grid))
         except ValidationError as error:
             raise problems_of(error, cls) from None
 

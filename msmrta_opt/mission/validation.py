@@ -79,14 +79,17 @@ def read_model(
     """
     try:
         if toml:  # dates, which JSON has not, are texts to all that follows
-            return model.model_validate_json(json.dumps(read_toml(path), default=str), strict=True)
+            document = read_toml(path)
+            if prepare is not None:
+                document = prepare(document, context)
+            return model.model_validate_json(json.dumps(document, default=str), strict=True)
         text = read_text(path)
         document = parse_json(text)
         if prepare is not None and (prepared := prepare(document, context)) is not document:
             text = json.dumps(prepared)
         return model.model_validate_json(text, strict=True, context=context)
     except ValidationError as error:
-        raise problems_of(error, model).within(path) from None
+        raise problems_of(error, model, toml=toml).within(path) from None
     except NotFiniteError as error:
         raise _with_others(error, model, context, prepare).within(path) from None
     except InputError as error:
@@ -114,12 +117,16 @@ def _with_others(
     return all_of([*(own.pop(other.field, other) for other in others), *own.values()])
 
 
-def first_problem(error: ValidationError, model: type[BaseModel] | None = None) -> InputError:
+def first_problem(
+    error: ValidationError, model: type[BaseModel] | None = None, *, toml: bool = False
+) -> InputError:
     """The first of pydantic's findings, as our own error: field, value, what would be right."""
-    return _problem(error.errors(include_url=False)[0], model)
+    return _problem(error.errors(include_url=False)[0], model, toml)
 
 
-def problems_of(error: ValidationError, model: type[BaseModel] | None = None) -> InputError:
+def problems_of(
+    error: ValidationError, model: type[BaseModel] | None = None, *, toml: bool = False
+) -> InputError:
     """All of pydantic's findings, as one error of our own.
 
     Parameters
@@ -128,6 +135,8 @@ def problems_of(error: ValidationError, model: type[BaseModel] | None = None) ->
         What pydantic found.
     model : type, optional
         What was to be read; with it a misspelt field is told what was meant.
+    toml : bool
+        Whether it was read from TOML; then a table in the place of several is told how they are written.
     """
     every = error.errors(include_url=False)
     if other := [x for x in every if x["loc"] == ("format",) and x["type"] != "missing"]:
@@ -136,7 +145,7 @@ def problems_of(error: ValidationError, model: type[BaseModel] | None = None) ->
     for item in every:
         if item["type"] == "too_short" and any(_is_inside(x["loc"], item["loc"]) for x in every):
             continue  # only since an item is wrong
-        problem = _problem(item, model)
+        problem = _problem(item, model, toml)
         found += problem.each if isinstance(problem, MistakesError) else [problem]
     return all_of(found)
 
@@ -145,7 +154,9 @@ def _is_inside(inner: tuple[str | int, ...], outer: tuple[str | int, ...]) -> bo
     return len(inner) > len(outer) and inner[: len(outer)] == outer
 
 
-def _problem(found: Mapping[str, Any], model: type[BaseModel] | None) -> InputError:
+def _problem(
+    found: Mapping[str, Any], model: type[BaseModel] | None, toml: bool = False
+) -> InputError:
     kind, loc, context = found["type"], found["loc"], found.get("ctx", {})
     field = at(*loc)
     cause = context.get("error")
@@ -161,6 +172,8 @@ def _problem(found: Mapping[str, Any], model: type[BaseModel] | None) -> InputEr
         field = at(*loc[:-1])
     plain = found["msg"][:1].lower() + found["msg"][1:]
     right = _RIGHT[kind].format(**context) if kind in _RIGHT else plain
+    if toml and kind in ("list_type", "tuple_type") and isinstance(found["input"], Mapping):
+        right = f"write [[{loc[-1]}]], for there may be several"
     if kind == "extra_forbidden" and model is not None:
         right += meant(loc[-1], _fields_at(model, loc[:-1]))
     return InputError(f"{shown(found['input'])}; {right}", field=field)

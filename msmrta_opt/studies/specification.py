@@ -237,7 +237,7 @@ class Study(_Table):
         try:
             return cls.model_validate({**document, "path": Path(path)})
         except ValidationError as error:
-            raise first_problem(error).within(path) from None
+            raise first_problem(error, toml=True).within(path) from None
         except InputError as error:
             raise error.within(path) from None
 

@@ -17,6 +17,7 @@ from msmrta_opt.mission.frame import Frame
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.places import cell_of, read_places, typed_place
+from msmrta_opt.mission.scenario import Scenario
 
 # Cells of half a metre; the wall is in the upper row's middle, x 10.5 to 11, y 20.5 to 21.
 GRID = GridMap(
@@ -64,6 +65,40 @@ def test_a_saved_mission_keeps_where_robots_stand(tmp_path: Path) -> None:
     assert mission.map.frame.position((1, 0)) == pytest.approx((10.35, 20.05))
     mission.save(tmp_path / "mission.json")
     assert Instance.read(tmp_path / "mission.json") == mission
+
+
+def test_cells_of_a_scenario_may_be_given_in_metres(tmp_path: Path) -> None:
+    path = tmp_path / "scenario.toml"
+    path.write_text(
+        "[[victims]]\nid = 1\ncell = {x = 11.2, y = 20.1}\nrequirements = []\n"
+        "[[corridors]]\ncells = [[1, 0], {x = 10.7, y = 20.7}]\nopened = 3\n",
+        encoding="utf-8",
+    )
+    scenario = Scenario.read(path, GRID)
+    assert scenario.victims[0].cell == (1, 2)
+    assert scenario.corridors[0].cells == ((1, 0), (0, 1))  # a wall, which may be opened
+    with pytest.raises(InputError) as refused:
+        Scenario.read(path)
+    assert str(refused.value) == (
+        f'{path}: victims[0].cell: {{"x": 11.2, "y": 20.1}}; metres need the map of one mission, '
+        "so give a cell, [row, col]"
+    )
+
+
+@pytest.mark.parametrize(
+    ("corridor", "said"),
+    [
+        ({"x": 9, "y": 20.5}, "x 9, y 20.5 is outside the map of 2 rows × 3 columns; the nearest"),
+        ({"x": 11}, "is missing; give it"),
+    ],
+)
+def test_a_point_of_a_scenario_that_is_not_on_the_map_gets_one_line(
+    corridor: dict[str, float], said: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        Scenario.from_document({"corridors": [{"cells": [corridor], "blocked": 1}]}, GRID)
+    assert refused.value.field.startswith("corridors[0].cells[0]")
+    assert refused.value.problem.startswith(said)
 
 
 def off_centre(*entries: Any) -> dict[str, Any]:

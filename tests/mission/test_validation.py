@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import copy
+from pathlib import Path
 from typing import Annotated, Any
 
 import pytest
@@ -10,7 +11,9 @@ from pydantic import BaseModel, Field, ValidationError
 
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.scenario import Scenario
 from msmrta_opt.mission.validation import at, first_problem
+from msmrta_opt.studies.specification import Study
 
 printable = st.text(st.characters(exclude_categories=("C", "Z")), max_size=8)
 json_values = st.recursive(
@@ -110,3 +113,21 @@ def test_a_change_in_python_is_refused_in_the_same_words_as_a_file(
     with pytest.raises(InputError) as caught:
         mission.replace(**change)
     assert str(caught.value) == problem
+
+
+def test_one_table_where_there_may_be_several_is_told_how_they_are_written(tmp_path: Path) -> None:
+    path = tmp_path / "scenario.toml"
+    path.write_text("[lost]\nrobot = 1\ntime = 3\n", encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        Scenario.read(path)
+    assert str(refused.value) == (
+        f'{path}: lost: {{"robot": 1, "time": 3}}; write [[lost]], for there may be several'
+    )
+    for name in ("instances", "planners", "formulations", "scenarios", "policies"):
+        tables: dict[str, Any] = {"title": "", "instances": [{"files": "paper"}], name: {}}
+        with pytest.raises(InputError) as refused:
+            Study.of(tables, path)
+        assert (
+            str(refused.value)
+            == f"{path}: {name}: {{}}; write [[{name}]], for there may be several"
+        )
