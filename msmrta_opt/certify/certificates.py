@@ -100,7 +100,33 @@ def claim_problems(plan: Plan) -> list[str]:
             wrong.append(_unknown(certificate))
             continue
         wrong += _contradictions(certificate, worth(plan, certificate.model))
-    return wrong
+    return wrong or search_problems(plan)
+
+
+def search_problems(plan: Plan) -> list[str]:
+    """Where the record of the search claims more than the plan and its certificates, one line each."""
+    search, found = plan.search, [c for c in plan.certificates if c.stage == STAGE]
+    if search is None or not found:
+        return []
+    own = [c for c in found if c.model == search.objective]
+    if not own or search.objective not in OBJECTIVES:
+        return [f"the search is by {_short(search.objective)}, which no certificate is on"]
+    value = worth(plan, search.objective)
+    wrong, claimed = [], [c.bound for c in own if c.bound is not None]
+    for i, step in enumerate(search.steps):
+        if _above(value, step.incumbent, value):
+            wrong.append(
+                f"search.steps[{i}] has routes worth {step.incumbent:.9g}, "
+                f"below the plan's {figure(value)}"
+            )
+        if step.bound is not None and not any(
+            not _above(step.bound, bound, value) for bound in claimed
+        ):
+            wrong.append(
+                f"search.steps[{i}] has the bound {step.bound:.9g}, above the certificate's "
+                + (f"{max(claimed):.9g}" if claimed else "none")
+            )
+    return wrong[:1]
 
 
 def _unknown(certificate: Certificate) -> str:

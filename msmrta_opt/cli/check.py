@@ -280,9 +280,9 @@ def _changed(plan: Plan) -> list[str]:
 
 def _bounds(plan: Plan, verdict: _Verdict, solver: str | None, time_limit: float | None) -> None:
     """Prove every bound of a plan that holds again."""
-    from ..certify.certificates import recheck, stage_problems
+    from ..certify.certificates import recheck, search_problems, stage_problems
 
-    verdict.wrong += stage_problems(plan)
+    verdict.wrong += [*stage_problems(plan), *search_problems(plan)]
     every = recheck(plan)
     for number, found in enumerate(every):
         one = _bound(plan, found, solver, time_limit)

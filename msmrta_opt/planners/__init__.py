@@ -13,7 +13,7 @@ import pkgutil
 import sys
 from collections.abc import Mapping
 from functools import cache
-from numbers import Real
+from numbers import Integral, Real
 from types import ModuleType
 from typing import Any
 
@@ -125,6 +125,9 @@ def check_options(planner: str, options: Mapping[str, Any]) -> None:
             )
     if chosen.check is not None:
         chosen.check(own)
+    seed = own.get("seed", 0)
+    if isinstance(seed, bool) or not (isinstance(seed, Integral) and 0 <= int(seed) < 2**32):
+        raise InputError(f"{seed!r}; give a whole number, 0 to 2**32 - 1", field="seed")
     improve = options.get("improve", False)
     _check_improve(improve)
     if chosen.improves_itself and improve is not False:

@@ -90,14 +90,15 @@ def run(
         If no plan that keeps to the robots' limits exists, or none is found in time.
     """
     aim, tuned = objective_of(objective), Parameters.of(parameters)
-    for name, number in {"time_limit": time_limit, "gap": gap}.items():
-        if not isinstance(number, Real) or isinstance(number, bool) or not number >= 0:
-            raise InputError(f"{number!r}; give a number, 0 or more", field=name)
-    options = RoutingOptions(
-        seed=seed,
-        endurance=endurance,
-        longest_walk=longest_walk,
-        return_to_start=return_to_start,
+    options = _checked(
+        {
+            "time_limit": time_limit,
+            "gap": gap,
+            "seed": seed,
+            "endurance": endurance,
+            "longest_walk": longest_walk,
+            "return_to_start": return_to_start,
+        }
     )
     watch = Stopwatch()
     stop = MaximumRuntime(time_limit) | RelativeGap(gap) | Interruption(interrupted)
@@ -150,6 +151,16 @@ def run(
                 "search": search,
             }
         )
+
+
+def _checked(given: Mapping[str, Any]) -> RoutingOptions:
+    """The options of stages among those given to `run`; all are checked."""
+    for name in ("time_limit", "gap"):
+        number = given.get(name, 0.0)
+        if not isinstance(number, Real) or isinstance(number, bool) or not float(number) >= 0:
+            raise InputError(f"{number!r}; give a number, 0 or more", field=name)
+    own = ("seed", "endurance", "longest_walk", "return_to_start")
+    return RoutingOptions(**{name: given[name] for name in own if name in given})
 
 
 def _solve(progress: Progress, seed: int, parameters: Parameters) -> Bound:
@@ -234,6 +245,7 @@ PLANNER = Planner(
     "exact",
     "the joint problem, with a proven bound",
     run,
+    check=_checked,
     limits=LIMITS,
     improves_itself=True,
     formulations=_formulations,

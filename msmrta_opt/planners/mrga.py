@@ -20,8 +20,9 @@ the time is the algorithm and how much the search.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from numbers import Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,11 +67,7 @@ def run(
     InputError
         If an option is out of range.
     """
-    if distances not in DISTANCES:
-        raise InputError(f"{distances!r}; give one of {', '.join(DISTANCES)}", field="distances")
-    for name, value in {"alpha": alpha, "beta": beta}.items():
-        if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= value <= 1:
-            raise InputError(f"{value!r}; give a number from 0 to 1", field=name)
+    _check({"distances": distances, "alpha": alpha, "beta": beta})
     return plan_by(
         lambda situation: allocate(situation, distances, alpha, beta, seed),
         instance,
@@ -78,6 +75,17 @@ def run(
         seed=seed,
         options={"distances": distances, "alpha": alpha, "beta": beta},
     )
+
+
+def _check(options: Mapping[str, Any]) -> None:
+    """Refuse values that are out of range."""
+    distances = options.get("distances", "table")
+    if distances not in DISTANCES:
+        raise InputError(f"{distances!r}; give one of {', '.join(DISTANCES)}", field="distances")
+    for name in ("alpha", "beta"):
+        value = options.get(name, 0.0)
+        if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) <= 1:
+            raise InputError(f"{value!r}; give a number from 0 to 1", field=name)
 
 
 def allocate(
@@ -167,5 +175,6 @@ PLANNER = Planner(
     "mrga",
     "the paper's baseline (MRGA), goal by goal",
     run,
+    check=_check,
     libraries=(*CLUSTERING, "networkx", "scipy.optimize"),
 )

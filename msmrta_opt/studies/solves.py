@@ -45,12 +45,18 @@ _FIELDS = MappingProxyType({"message": "error", "total_seconds": "seconds"})
 """Columns that are fields of a record by another name."""
 _PARTS = ("seed", "canonicalise_seconds", "solve_seconds")
 """Columns that are parts of a field."""
+_FROM_ZERO = (
+    *("canonicalise_seconds", "solve_seconds", "total_seconds", "gap"),
+    *("seed", "nodes", "n_variables", "n_rows"),
+)
+"""Columns of numbers that are 0 or more."""
 _STATUSES = get_args(Status)
 _CHECKED: tuple[tuple[str, tuple[Any, ...], str], ...] = (
     ("seed", (int,), "a whole number"),
     ("canonicalise_seconds", (int, float), "a number"),
     ("solve_seconds", (int, float), "a number"),
     ("status", _STATUSES, f"one of {', '.join(_STATUSES)}"),
+    ("sense", ("min", "max", ""), "one of min, max"),
 )
 """What `record_of` does not check: columns, the types or values they may have, and what to say."""
 
@@ -107,6 +113,9 @@ def record_of_row(row: Mapping[str, Any]) -> Record:
     for name, kinds, right in _CHECKED:
         if row.get(name) is not None and not (type(row[name]) in kinds or row[name] in kinds):
             raise InputError(f"{shown(row[name])}; give {right}", field=name)
+    for name in _FROM_ZERO:
+        if isinstance(row.get(name), (int, float)) and row[name] < 0:
+            raise InputError(f"{shown(row[name])}; give a number, 0 or more", field=name)
     values = {_FIELDS.get(name, name): x for name, x in row.items() if name not in _PARTS}
     seconds = {name: row.get(f"{name}_seconds") for name in ("canonicalise", "solve")}
     values["stage_seconds_json"] = json.dumps(seconds)

@@ -44,6 +44,40 @@ def test_an_objective_that_is_claimed_is_worked_out_again_without_being_asked(
     ]
 
 
+@pytest.mark.parametrize("bound", [(), ("--bound",)])
+@pytest.mark.parametrize(
+    ("claim", "told"),
+    [
+        ({"bound": 9.5}, "search.steps[0] has the bound 9.5, above the certificate's 9"),
+        ({"incumbent": 8.5}, "search.steps[0] has routes worth 8.5, below the plan's 9"),
+    ],
+)
+def test_a_search_that_claims_more_than_the_certificate_is_told(
+    claim: dict[str, float],
+    told: str,
+    bound: tuple[str, ...],
+    exact: dict[str, Any],
+    msmrta: Run,
+    tmp_path: Path,
+    capsys: Capture,
+) -> None:
+    forged = json.loads(json.dumps(exact))
+    forged["search"]["steps"][0] |= claim
+    file = written(tmp_path, forged)
+    assert msmrta("check", *bound, file) == 1
+    assert f"{file}: {told}\n" in capsys.readouterr().err
+
+
+def test_a_search_by_another_objective_than_the_certificate_is_told(
+    exact: dict[str, Any], msmrta: Run, tmp_path: Path, capsys: Capture
+) -> None:
+    forged = json.loads(json.dumps(exact))
+    forged["search"]["objective"] = "makespan"
+    file = written(tmp_path, forged)
+    assert msmrta("check", file) == 1
+    assert "the search is by 'makespan', which no certificate is on" in capsys.readouterr().err
+
+
 def test_a_programs_certificate_that_contradicts_itself_is_told(
     msmrta: Run, tmp_path: Path, capsys: Capture
 ) -> None:

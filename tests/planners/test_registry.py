@@ -58,7 +58,7 @@ def test_an_unknown_option_is_refused_with_those_there_are(
 
 
 @pytest.mark.parametrize("planner", ["greedy", "mrga", "random", "ssi"])
-@pytest.mark.parametrize("seed", [-1, 2**32, 0.5, "x"])
+@pytest.mark.parametrize("seed", [-1, 2**32, 0.5, "x", True])
 def test_a_seed_out_of_range_is_refused(planner: str, seed: object, corridor: Instance) -> None:
     with pytest.raises(InputError, match=r"^seed: ") as caught:
         plan(corridor, planner=planner, seed=seed)

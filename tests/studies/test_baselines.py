@@ -84,6 +84,34 @@ def test_without_a_baseline_it_is_said_how_to_write_one(tmp_path: Path) -> None:
         mo.against_baseline(tmp_path / "none.json", ["corridor"], **WHAT)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "field"),
+    [
+        ({"solve_seconds": -1.0}, "solve_seconds: -1.0; give a number, 0 or more"),
+        ({"total_seconds": -0.5}, "total_seconds: -0.5; give a number, 0 or more"),
+        ({"nodes": -2}, "nodes: -2; give a number, 0 or more"),
+        ({"sense": "least"}, "sense: 'least'; give one of min, max"),
+    ],
+)
+def test_a_row_that_no_solve_can_have_is_refused(
+    wrong: dict[str, Any], field: str, baseline: Path
+) -> None:
+    edit(baseline, **wrong)
+    with pytest.raises(InputError) as caught:
+        read_baseline(baseline)
+    assert str(caught.value) == f"{baseline}: rows[0].{field}"
+
+
+def test_a_solve_that_a_baseline_has_twice_is_refused(baseline: Path) -> None:
+    edit(baseline, solver="highs", objective=1e9)
+    with pytest.raises(InputError) as caught:
+        read_baseline(baseline)
+    assert str(caught.value) == (
+        f"{baseline}: rows[1]: cluster_printed on corridor by highs is given twice; "
+        "give each solve once"
+    )
+
+
 def test_contradictions_failed_checks_and_errors_are_no_baseline() -> None:
     row = {
         "instance": "paper", "stage": "cluster", "model": "m", "solver": "a", "status": "optimal",

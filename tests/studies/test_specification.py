@@ -62,6 +62,18 @@ def test_files_are_found_from_the_studys_folder_and_each_once(tmp_path: Path) ->
         (("title =", "titel ="), "title: is missing"),
         (('"greedy"', '"greedi"'), "planners[0].planner: 'greedi' (did you mean 'greedy'?)"),
         (('"greedy"', '"greedy"\npsi = 0.5'), "planners[0].psi: planner greedy has no such option"),
+        (('"greedy"', '"greedy"\nseed = 9223372036854775808'), "planners[0].seed: 922337203685"),
+        (('"greedy"', '"greedy"\nseed = -1'), "planners[0].seed: -1; give a whole number, 0 to"),
+        (
+            ('"greedy"', '"greedy"\nseed = true'),
+            "planners[0].seed: True; give a whole number, 0 to",
+        ),
+        (('"greedy"', '"mrga"\nalpha = "1"'), "planners[0].alpha: '1'; give a number from 0 to 1"),
+        (
+            ('"greedy"', '"exact"\ntime_limit = "5"'),
+            "planners[0].time_limit: '5'; give a number, 0",
+        ),
+        (('"greedy"', '"exact"\nendurance = "5"'), "planners[0].endurance: '5'; give time units"),
         (('"greedy"', '"msmrta"\npsi = 1.5'), "planners[0].psi: 1.5; give a number from 0 to 1"),
         (('"greedy"', '"msmrta"\npsi = []'), "psi: no value; give at least one"),
         (('"greedy"', '"msmrta"\npsi = [[1]]'), "psi: [1]; give a number, a text, true or false"),

@@ -56,15 +56,19 @@ def read_baseline(path: str | Path) -> list[Record]:
     rows = document.get("rows")
     if not isinstance(rows, list):
         raise InputError(f"{shown(rows)}; give a list, […]", field="rows", file=path)
-    found = []
+    found: dict[object, Record] = {}
     for i, row in enumerate(rows):
         if not isinstance(row, dict):
             raise InputError(f"{shown(row)}; give an object", field=f"rows[{i}]", file=path)
         try:
-            found.append(record_of_row(row))
+            record = record_of_row(row)
         except InputError as error:
             raise said_of(f"rows[{i}]", error).within(path) from None
-    return found
+        if record.solve in found:
+            twice = f"{_name(record)} is given twice; give each solve once"
+            raise InputError(twice, field=f"rows[{i}]", file=path)
+        found[record.solve] = record
+    return list(found.values())
 
 
 @dataclass(frozen=True)
