@@ -100,6 +100,7 @@ def diff(
 ) -> None:
     """Compare two programs by variables and rows, and try each one's optimum in the other."""
     from ..diagnosis.difference import diff as find
+    from ..interruption import interrupted
     from ..mission.errors import InputError
     from .console import say
     from .outputs import check_outputs
@@ -124,6 +125,8 @@ def diff(
         texts.append(text)
     write_json(json, documents, what="difference")
     say("\n".join(texts))
+    if interrupted():
+        raise KeyboardInterrupt
 
 
 def _search(

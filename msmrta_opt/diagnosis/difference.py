@@ -303,6 +303,8 @@ def _renamed(
 
 
 def _solved(program: Program, clock: Clock) -> Solution:
+    if clock.is_up:
+        return Solution("", "no_solution", program.sense)
     share = None if clock.left is None else clock.left / 3
     return solve_program(program, options=Options(time_limit=share))
 

@@ -102,9 +102,9 @@ def _header(lines: Sequence[str]) -> tuple[dict[str, tuple[int, int]], int]:
                     f"{shown(line)}; give {key} and a whole number", field=f"line {number}"
                 )
             found[key] = number, int(values[0])
+    # Nothing of the file is shown: it may be any file, and none of the reader's.
     raise InputError(
-        f"no line 'map' before the grid; the header is type, height, width, map, and begins "
-        f"{shown(lines[0])}",
+        "no line 'map' before the grid; give a MovingAI map, whose header is type, height, width, map",
         field="header",
     )
 

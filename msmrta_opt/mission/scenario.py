@@ -8,7 +8,7 @@ time or with a rate; victims are announced, or found by robots; cells are blocke
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -294,11 +294,17 @@ def _mistakes(scenario: Scenario, mission: Instance) -> Iterator[InputError]:
             problem = f"{victim.id} is a victim of the mission; give a new one"
             yield InputError(problem, field=at("victims", i, "id"))
         yield from mistakes_of_victim(i, victim, grid, kinds)
-    opened: dict[tuple[int, int], float] = {}
-    for corridor in scenario.corridors:
-        for cell in corridor.cells if corridor.opened is not None else ():
-            opened[cell] = min(opened.get(cell, math.inf), corridor.opened or 0.0)
+    opened = _first((c.opened, c.cells) for c in scenario.corridors)
+    blocked = _first((c.blocked, c.cells) for c in scenario.corridors)
     for i, corridor in enumerate(scenario.corridors):
+        if corridor.opened is not None and corridor.opened < (corridor.blocked or 0.0):
+            free = (c for c in corridor.cells if grid.contains(c) and grid.free[c])
+            for cell in [c for c in free if blocked[c] > corridor.opened][:1]:
+                problem = (
+                    f"{corridor.opened:g}; {list(cell)} is free until it is blocked at "
+                    f"{corridor.blocked:g}: give a later time, or leave it out"
+                )
+                yield InputError(problem, field=at("corridors", i, "opened"))
         for j, cell in enumerate(corridor.cells):
             field = at("corridors", i, "cells", j)
             if not grid.contains(cell):
@@ -313,6 +319,17 @@ def _mistakes(scenario: Scenario, mission: Instance) -> Iterator[InputError]:
                     " cell, or one that is opened before"
                 )
                 yield InputError(problem, field=field)
+
+
+def _first(
+    changes: Iterable[tuple[float | None, Iterable[tuple[int, int]]]],
+) -> dict[tuple[int, int], float]:
+    """When each cell is first changed."""
+    found: dict[tuple[int, int], float] = {}
+    for time, cells in changes:
+        for cell in cells if time is not None else ():
+            found[cell] = min(found.get(cell, math.inf), time or 0.0)
+    return found
 
 
 def _unknown(field: str, kind: str, kinds: Sequence[str]) -> Iterator[InputError]:

@@ -13,6 +13,8 @@ import pytest
 from support.own_models import ENOUGH
 from support.programs import INF, program
 
+from msmrta_opt import interruption
+from msmrta_opt.diagnosis import clock, difference
 from msmrta_opt.diagnosis import explain as explaining
 from msmrta_opt.optimise.export import write_program
 
@@ -220,3 +222,23 @@ def test_json_goes_to_standard_output_alone(
     given = [str(corridor_file) if text == "MISSION" else text for text in line]
     assert msmrta(*given, "--json", "-") == 0
     assert json.loads(capsys.readouterr().out)
+
+
+def test_diff_that_is_interrupted_writes_what_it_knows_and_says_so_by_its_status(
+    msmrta: Run, corridor_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    """As after a Ctrl-C: nothing is solved any more, what differs is told all the same."""
+    solved: list[object] = []
+    monkeypatch.setattr(difference, "solve_program", lambda *a, **o: solved.append(a))
+    monkeypatch.setattr(interruption, "interrupted", lambda: True)
+    monkeypatch.setattr(clock, "interrupted", lambda: True)
+    file = tmp_path / "difference.json"
+    models = ("joint_routing_flow", "joint_routing_mtz")
+    assert msmrta("diff", *models, corridor_file, "--json", file) == 130
+    assert solved == []
+    found = json.loads(file.read_text())["difference"]
+    assert found["rows_a"]
+    assert found["optima_differ"] is None
+    said = capsys.readouterr()
+    assert "joint_routing_flow has no optimum to try in joint_routing_mtz: no_solution." in said.out
+    assert said.err == "interrupted\n"

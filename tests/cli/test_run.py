@@ -92,6 +92,10 @@ SCENARIOS = {
         "error: {file}: notce: 'before'; there is no such field; correct its name or remove it (did "
         "you mean 'notice'?)"
     ),
+    "[[corridors]]\ncells = [HERE]\nblocked = 20\nopened = 10": (
+        "{file}: corridors[0].opened: 10; HERE is free until it is blocked at 20: give a later time, "
+        "or leave it out"
+    ),
     "[[corridors]]\ncells = [HERE, WALL]\nblocked = 20\nopened = 30": (
         "{file}: corridors[0].cells[1]: WALL is a wall of the map, which blocking does not change; "
         "give a free cell, or one that is opened before"
@@ -109,7 +113,7 @@ def test_a_mistake_in_a_scenario_is_told_of_its_file(
     here = str(list(plan.instance.robots[0].start))
     file.write_text(text.replace("HERE", here).replace("WALL", wall))
     assert msmrta("run", tmp_path / "plan.json", "--scenario", file) == 2
-    said = SCENARIOS[text].format(file=file).replace("WALL", wall)
+    said = SCENARIOS[text].format(file=file).replace("HERE", here).replace("WALL", wall)
     assert capsys.readouterr().err == f"error: {said}\n"
 
 

@@ -120,8 +120,8 @@ def test_a_map_whose_folder_does_not_exist_is_not_written(tmp_path: Path) -> Non
     [
         ("height 1\nwidth 1\nmaps\n.\n", "header", "no line 'map' before the grid"),
         ("height 1\nwidth 1\nmap .\n", "header", "no line 'map' before the grid"),
-        ("P1\n1 1\n0\n", "header", "and begins 'P1'"),
-        ("", "header", "and begins ''"),
+        ("P1\n1 1\n0\n", "header", "no line 'map' before the grid; give a MovingAI map"),
+        ("", "header", "no line 'map' before the grid"),
         ("heigth 1\nwidth 1\nmap\n.\n", "height", "is missing; give it above the line 'map'"),
         ("height 1\nmap\n.\nwidth 1\n", "width", "is missing"),
         ("height one\nwidth 1\nmap\n.\n", "line 1", "'height one'; give height and a whole"),
@@ -186,3 +186,11 @@ def test_a_row_that_is_shorter_than_the_header_says_is_the_one_at_fault(tmp_path
         str(refused.value)
         == f"{path}: rows[0]: 3 cells, where the header's width is 4; correct either"
     )
+
+
+def test_nothing_of_a_file_that_is_no_map_is_shown(tmp_path: Path) -> None:
+    path = tmp_path / "notes.txt"
+    path.write_text("what nobody else is to read\nheight\n")
+    with pytest.raises(InputError) as caught:
+        read_map(path)
+    assert "nobody" not in str(caught.value)
