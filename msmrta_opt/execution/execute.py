@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..certify.plan import check_plan
@@ -54,9 +54,14 @@ def execute(
 
 
 def execute_checked(
-    plan: Plan, scenario: Scenario, policy: str, seed: int, options: Mapping[str, Any]
+    plan: Plan,
+    scenario: Scenario,
+    policy: str,
+    seed: int,
+    options: Mapping[str, Any],
+    given_up: Callable[[], bool] = lambda: False,
 ) -> Run:
-    """The same for a plan that has been checked."""
+    """The same for a plan that has been checked; `simulation.GivenUpError` once it is given up."""
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise InputError(f"{seed!r}; give a whole number, 0 or more", field="seed")
     scenario.check_for(plan.instance)
@@ -65,7 +70,7 @@ def execute_checked(
     if chosen.load is not None:
         chosen.load(values)
     decide = chosen.begin(Situated(plan, values, seed))
-    simulation = Simulation(plan, scenario, world, decide, values["blocked"])
+    simulation = Simulation(plan, scenario, world, decide, values["blocked"], given_up)
     simulation.run()
     run = Run(
         plan=plan,

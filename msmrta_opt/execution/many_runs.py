@@ -21,6 +21,7 @@ from ..mission.plan import Plan
 from ..mission.run import Run
 from ..mission.scenario import Scenario
 from .execute import execute_checked
+from .simulation import GivenUpError
 
 BATCH_SECONDS = 0.5
 """How long a batch of seeds takes, about."""
@@ -124,10 +125,19 @@ def outcomes(
     policies: Mapping[str, Mapping[str, Any]],
     seeds: Sequence[int],
 ) -> list[Outcome]:
-    """What comes of these seeds, one after the other; a module's function for other processes."""
+    """What comes of these seeds, one after the other; a module's function for other processes.
+
+    It ends early once the user asks; the seed in work is then left out.
+    """
     found: list[Outcome] = []
     for seed in seeds:
-        runs = [execute_checked(plan, scenario, name, seed, o) for name, o in policies.items()]
+        try:
+            runs = [
+                execute_checked(plan, scenario, name, seed, o, interrupted)
+                for name, o in policies.items()
+            ]
+        except GivenUpError:
+            break
         end = max((run.end for run in runs), default=0.0)
         found += [_outcome(run, end) for run in runs]
     return found

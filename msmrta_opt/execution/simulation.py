@@ -20,6 +20,7 @@ import heapq
 import math
 import time as wall
 from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
 
 from ..mission.grid import Cell
@@ -41,6 +42,10 @@ from .knowledge import Knowledge, happenings
 from .state import Blocked, Decide, Queues, RobotState, State, Task
 
 
+class GivenUpError(Exception):
+    """A run that was given up before its end: nothing is known of it."""
+
+
 class Simulation:
     """One execution; `run` fills the lists of what happened.
 
@@ -56,6 +61,8 @@ class Simulation:
         The policy, asked whenever there is news.
     blocked : Blocked
         What robots do before a blocked cell.
+    given_up : callable
+        Asked again and again whether nobody waits for the run any more.
     """
 
     def __init__(
@@ -65,7 +72,9 @@ class Simulation:
         world: World,
         decide: Decide,
         blocked: Blocked,
+        given_up: Callable[[], bool] = lambda: False,
     ) -> None:
+        self.given_up = given_up
         self.scenario, self.decide, self.blocked = scenario, decide, blocked
         self.service = {(drawn.victim, drawn.kind): drawn.time for drawn in world.services}
         self.world = Knowledge(plan.instance, world, scenario.visual_field_depth)
@@ -83,7 +92,13 @@ class Simulation:
         self.deciding_seconds = 0.0
 
     def run(self) -> None:
-        """Execute until the end."""
+        """Execute until the end.
+
+        Raises
+        ------
+        GivenUpError
+            If nobody waits for it any more.
+        """
         now, after = 0.0, 0.0
         for body in self.bodies:
             body.cells.append(body.cell)
@@ -93,6 +108,8 @@ class Simulation:
             if not body.lost:
                 self._look(body, 0.0)
         while after <= self.horizon and not math.isinf(after):
+            if self.given_up():
+                raise GivenUpError
             now = after
             self._happen(now)
             self._finish(now)

@@ -10,8 +10,9 @@ import pytest
 
 from msmrta_opt import cli
 from msmrta_opt.cli import console
+from msmrta_opt.execution import many_runs
 from msmrta_opt.execution.distributions import difference, paired, probability, quantile
-from msmrta_opt.execution.many_runs import execute_many
+from msmrta_opt.execution.many_runs import Outcome, execute_many
 from msmrta_opt.mission.plan import Plan
 from msmrta_opt.mission.scenario import Scenario
 from msmrta_opt.planners import plan as make_plan
@@ -54,6 +55,23 @@ def test_outcomes_are_the_same_on_any_number_of_jobs(
     gap = paired(one, "keep", "repair", "n_served")
     assert (gap.less, gap.less + gap.equal + gap.more) == (0, 14)
     assert gap.mean > 0
+
+
+def test_the_seed_in_work_is_left_out_once_the_user_asks(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Asked after a seed is done, within the next: what is finished is kept."""
+    done: list[int] = []
+    monkeypatch.setattr(many_runs, "interrupted", lambda: len(done) > 1)
+    seen = many_runs._outcome
+
+    def noted(*given: object) -> Outcome:
+        done.append(1)
+        return seen(*given)
+
+    monkeypatch.setattr(many_runs, "_outcome", noted)
+    found = many_runs.outcomes(plan, Scenario(), {"keep": {}}, range(5))
+    assert [x.seed for x in found] == [0, 1]
 
 
 def test_policies_on_one_seed_are_told_to_lose_the_same_robots(plan: Plan) -> None:
