@@ -45,9 +45,11 @@ def test_a_file_that_cannot_be_read_is_one_line_and_exit_status_2(
     assert msmrta(*command, path) == 2
     said = capsys.readouterr()
     assert said.out == ""
-    assert said.err.startswith(f"error: {path}: ")
+    lines = said.err.splitlines()
+    assert all(line.startswith(f"error: {path}: ") for line in lines)
     assert problem in said.err
-    assert said.err.count("\n") == 1
+    # Of numbers all are told, with whatever else is wrong in the file.
+    assert len(lines) == 1 or wrong == "not finite"
 
 
 @pytest.mark.parametrize(
