@@ -34,6 +34,7 @@ from ..optimise.check import (
 from ..optimise.program import ROUNDING, Program
 from ..optimise.scaling import scaled, scaling
 from ..optimise.settle import settle
+from ..optimise.solve import solve_program
 from ..optimise.solvers import Options, highs, solvers
 from ..optimise.solvers.base import refuse_dropped
 
@@ -141,7 +142,10 @@ def _found(program: Program, options: Options, deadline: float, name: str) -> Co
         if system.certifies(conflict):
             return _conflict(program, name, method, conflict, irreducible, integrality=integrality)
         if truth is None:
-            return Conflict(name, "unknown")
+            left = max(deadline - time.perf_counter(), 0.0)
+            limited = replace(options, time_limit=left if np.isfinite(left) else None)
+            solution = solve_program(system.own, options=limited)
+            return Conflict(name, "feasible" if solution.found else "unknown")
         break
     if truth is not None:
         return _conflict(program, name, truth.proof, system.everything, False, integrality=True)
@@ -167,9 +171,11 @@ class _System:
         self.deadline = deadline
         self._statuses = highspy.HighsModelStatus
         self._highs: Any = highs.new_highs()
-        highs.set_options(self._highs, options, integer=bool(program.integer.any()))
-        if program.integer.any():  # its presolve is wrong now and then, and may not end
-            self._highs.setOptionValue("presolve", "off")
+        is_whole = bool(program.integer.any())
+        # The presolve of integer programs is wrong now and then, and may not end.
+        highs.set_options(self._highs, replace(options, presolve=not is_whole), integer=is_whole)
+        if is_whole:
+            self._highs.setOptionValue(*highs.WITHOUT_JUMPS)
         else:
             self._highs.setOptionValue("primal_feasibility_tolerance", highs.STRICTEST)
         highs.heed_interruption(self._highs)
@@ -187,8 +193,12 @@ class _System:
         """Whether the deadline has passed, or the user wants an end."""
         return time.perf_counter() >= self.deadline or interrupted()
 
-    def is_infeasible(self, members: Bools, *, nodes: int | None = None) -> bool | None:
-        """Whether no point satisfies `members`; ``None`` if it was not found out."""
+    def is_infeasible(self, members: Bools, *, is_trial: bool = False) -> bool | None:
+        """Whether no point satisfies `members`; ``None`` if it was not found out.
+
+        The trial of a deletion has few nodes, and its point no tolerance but rounding: what tolerances
+        allow may be no point at all.
+        """
         if self.time_is_up:
             return None
         if self._contradicts_itself(members):
@@ -197,7 +207,7 @@ class _System:
         self._highs.setOptionValue("time_limit", max(self.deadline - time.perf_counter(), 0.0))
         free = self.own.integer & ~(np.isfinite(self.own.lower) & np.isfinite(self.own.upper))
         maximum = NODES_OF_FREE_INTEGERS if free.any() else 2**31 - 1
-        self._highs.setOptionValue("mip_max_nodes", maximum if nodes is None else nodes)
+        self._highs.setOptionValue("mip_max_nodes", NODES if is_trial else maximum)
         self._highs.run()
         status = self._highs.getModelStatus()
         if status == self._statuses.kInfeasible:
@@ -207,8 +217,7 @@ class _System:
         if status == self._statuses.kOptimal:
             x = np.array(self._highs.getSolution().col_value) * scaling(self.own).column
             point = Point.of(self.part(members), x)
-            # What only tolerances allow may be no point at all.
-            return None if point.wrong or point.violation > ROUNDING else False
+            return None if point.wrong or (is_trial and point.violation > ROUNDING) else False
         return None
 
     def _contradicts_itself(self, members: Bools) -> bool:
@@ -313,7 +322,7 @@ def _filtered(system: _System, conflict: Bools) -> tuple[Bools, bool]:
             return conflict, False
         rest = conflict.copy()
         rest[chunk] = False
-        verdict = system.is_infeasible(rest, nodes=NODES)
+        verdict = system.is_infeasible(rest, is_trial=True)
         if verdict:
             conflict = rest
         elif len(chunk) > 1:

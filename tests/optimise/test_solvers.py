@@ -678,3 +678,19 @@ def test_large_numbers_do_not_cost_the_optimum() -> None:
     solution = solve(get("cpsat"), asked)
     assert solution.status == "optimal"
     assert solution.objective == best_value(asked)
+
+
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip"])
+def test_integers_without_bounds_crash_nothing(solver: str) -> None:
+    # -8 y + 6 z - 2 w ≤ 16 and 5 y - 6 z - 2 w ≤ -18 make 3 y ≥ 2 - 4 w, so with w ≤ 1 y is at least 0;
+    # but with z ≤ 2 the second has 5 y ≤ -4.
+    rows = [
+        *([0, 0, 0, -8], [0, -4, 0, 1], [2, 0, 8, 0], [0, -5, 6, 2], [0, -8, 6, -2]),
+        *([1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1], [0, 5, -6, -2]),
+        *([-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -2, 0], [0, 0, 0, -1]),
+    ]
+    sides = [INF, INF, INF, INF, 16, INF, INF, 4, 1, -18, 1, 1, 2, 1]
+    whole = [False, True, True, True]
+    asked = program(rows, sides, 0, lower=-INF, upper=INF, integer=whole)
+    found = solve_program(asked, solver=solver)
+    assert found.status == "infeasible"

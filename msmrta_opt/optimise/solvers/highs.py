@@ -20,6 +20,8 @@ from .outcomes import unbounded_or_infeasible
 SMALL = 60
 """Columns and rows of an integer program up to which HiGHS goes without its presolve: it calls some
 feasible ones infeasible, and is now and then caught in an endless loop, where it has little to gain."""
+WITHOUT_JUMPS = ("mip_heuristic_run_feasibility_jump", False)
+"""This heuristic crashes on some programs that have integers without bounds."""
 STRICTEST = 1e-10
 """The smallest tolerance for rows that HiGHS takes."""
 
@@ -39,6 +41,9 @@ def run(program: Program, options: Options) -> Outcome:
     highs = new_highs()
     size = program.n_columns + program.n_rows
     set_options(highs, options, integer=bool(program.integer.any()), size=size)
+    whole = program.integer
+    if not np.isfinite([program.lower[whole], program.upper[whole]]).all():
+        highs.setOptionValue(*WITHOUT_JUMPS)
     highs.passModel(model(highspy, program))
     if options.start is not None:
         known = np.flatnonzero(np.isfinite(options.start))
