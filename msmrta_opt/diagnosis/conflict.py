@@ -247,7 +247,9 @@ class _System:
         if not part.integer.any():
             ray = highs.infeasible_ray(scaled(part, scaling(part)), Options())
             ray = np.zeros(part.n_rows) if ray is None else ray * scaling(part).row
-            return proves_infeasible(replace(part, integer=self.integer), ray)
+            # Rows of whole numbers have no rounding, but leave none to the multipliers either.
+            exactly = replace(part, integer=self.integer)
+            return proves_infeasible(part, ray) or proves_infeasible(exactly, ray)
         truth = settle(part)
         if truth is not None:
             return truth.x is None
