@@ -144,7 +144,7 @@ def _found(program: Program, options: Options, deadline: float, name: str) -> Co
         if truth is None:
             left = max(deadline - time.perf_counter(), 0.0)
             limited = replace(options, time_limit=left if np.isfinite(left) else None)
-            solution = solve_program(system.own, options=limited)
+            solution = solve_program(program, options=limited)
             return Conflict(name, "feasible" if solution.found else "unknown")
         break
     if truth is not None:
