@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
 
-from ..mission.errors import InputError, MistakesError
+from ..mission.errors import InputError, each_of
 from ..mission.instance import Victim
 from ..mission.run import Run
 from ..mission.scenario import Distribution
@@ -22,8 +22,7 @@ def problems(run: Run) -> list[str]:
     try:
         run.scenario.check_for(run.plan.instance)
     except InputError as error:
-        each = error.each if isinstance(error, MistakesError) else (error,)
-        return [f"the scenario is for another mission: {one}" for one in each]
+        return [f"the scenario is for another mission: {one}" for one in each_of(error)]
     if wrong := list(_unknown(run)):
         return wrong
     return [*_speeds(run), *_services(run), *_lost(run), *_changes(run)]

@@ -31,6 +31,7 @@ from ..optimise.check import (
     kinds_of_rows,
     proves_infeasible,
 )
+from ..optimise.contradiction import asks_of_nothing
 from ..optimise.program import ROUNDING, Program
 from ..optimise.scaling import scaled, scaling
 from ..optimise.settle import settle
@@ -142,9 +143,7 @@ def _found(program: Program, options: Options, deadline: float, name: str) -> Co
         if system.certifies(conflict):
             return _conflict(program, name, method, conflict, irreducible, integrality=integrality)
         if truth is None:
-            left = max(deadline - time.perf_counter(), 0.0)
-            limited = replace(options, time_limit=left if np.isfinite(left) else None)
-            solution = solve_program(program, options=limited)
+            solution = solve_program(program, options=system.left)
             return Conflict(name, "feasible" if solution.found else "unknown")
         break
     if truth is not None:
@@ -193,6 +192,12 @@ class _System:
         """Whether the deadline has passed, or the user wants an end."""
         return time.perf_counter() >= self.deadline or interrupted()
 
+    @property
+    def left(self) -> Options:
+        """What is left of the time."""
+        left = max(self.deadline - time.perf_counter(), 0.0)
+        return Options(time_limit=left if np.isfinite(left) else None)
+
     def is_infeasible(self, members: Bools, *, is_trial: bool = False) -> bool | None:
         """Whether no point satisfies `members`; ``None`` if it was not found out.
 
@@ -222,9 +227,7 @@ class _System:
 
     def _contradicts_itself(self, members: Bools) -> bool:
         """Whether a row among `members` cannot hold, whatever the variables are."""
-        lower, upper = self.own.row_lower, self.own.row_upper
-        is_empty = np.diff(self.own.matrix.indptr) == 0
-        wrong = (lower > upper) | is_empty & (np.maximum(lower, -upper) > ROUNDING)
+        wrong = (self.own.row_lower > self.own.row_upper) | asks_of_nothing(self.own)
         return bool((wrong & members[: self.own.n_rows]).any())
 
     def part(self, members: Bools) -> Program:
@@ -264,9 +267,7 @@ class _System:
 
     def conflict_by_multipliers(self) -> Bools:
         """The members with a part in Farkas multipliers, not verified and not all needed."""
-        left = max(self.deadline - time.perf_counter(), 0.0)
-        options = Options(time_limit=left if np.isfinite(left) else None)
-        ray = highs.infeasible_ray(self.program, options)
+        ray = highs.infeasible_ray(self.program, self.left)
         if ray is None:
             return np.zeros_like(self.everything)
         matrix = self.program.matrix

@@ -9,7 +9,7 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from .errors import InputError, MistakesError, all_of, at, shown
+from .errors import InputError, MistakesError, all_of, at, each_of, shown
 from .files import NotFiniteError, parse_json, read_text, read_toml
 from .suggestions import meant
 
@@ -110,8 +110,7 @@ def _with_others(
         model.model_validate_json(text, strict=True, context=context)
         others: list[InputError] = []
     except ValidationError as error:
-        said = problems_of(error, model)
-        others = list(said.each) if isinstance(said, MistakesError) else [said]
+        others = list(each_of(problems_of(error, model)))
     except (ValueError, OverflowError):  # of a file that it names, for instance
         others = []
     return all_of([*(own.pop(other.field, other) for other in others), *own.values()])
@@ -146,7 +145,7 @@ def problems_of(
         if item["type"] == "too_short" and any(_is_inside(x["loc"], item["loc"]) for x in every):
             continue  # only since an item is wrong
         problem = _problem(item, model, toml)
-        found += problem.each if isinstance(problem, MistakesError) else [problem]
+        found += each_of(problem)
     return all_of(found)
 
 

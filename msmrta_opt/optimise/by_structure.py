@@ -15,7 +15,7 @@ from ..arrays import Floats
 from .assignment import solve_assignment
 from .check import TIGHT, dual_bound, settled, violations
 from .program import Program
-from .scaling import scaling
+from .scaling import objective_size
 from .solvers import Options, Outcome, get
 from .structure import Structure, integral_relaxation
 
@@ -65,5 +65,4 @@ def solve_by_structure(
 
 def _is_tight(program: Program, x: Floats, bound: float) -> bool:
     value = program.value(x)
-    size = max(scaling(program).unit, abs(value - program.constant))
-    return abs(value - bound) <= TIGHT * size
+    return abs(value - bound) <= TIGHT * objective_size(program, value)

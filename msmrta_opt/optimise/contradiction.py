@@ -17,15 +17,19 @@ def contradiction(program: Program) -> str:
 
     Solvers differ in what they make of these.
     """
-    empty = np.flatnonzero(np.diff(program.matrix.indptr) == 0)
-    asks = np.maximum(program.row_lower[empty], -program.row_upper[empty]) > ROUNDING
-    for i in empty[asks]:
+    for i in np.flatnonzero(asks_of_nothing(program)):
         return f"row '{program.row_name(int(i))}' holds no variable and is not satisfied"
     for i in np.flatnonzero(_cross(program.row_lower, program.row_upper)):
         return f"the sides of row '{program.row_name(int(i))}' cross"
     for j in np.flatnonzero(_cross(program.lower, program.upper)):
         return f"the bounds of {program.column_name(int(j))} cross"
     return ""
+
+
+def asks_of_nothing(program: Program) -> Bools:
+    """Which rows hold no variable and are not satisfied, ``(n_rows,)``."""
+    is_empty = np.diff(program.matrix.indptr) == 0
+    return np.asarray(is_empty & (np.maximum(program.row_lower, -program.row_upper) > ROUNDING))
 
 
 def _cross(lower: Floats, upper: Floats) -> Bools:

@@ -54,6 +54,11 @@ def scaling(program: Program) -> Scaling:
     return Scaling(row, column, float(2.0 ** (10 - np.floor(np.log2(largest)))))
 
 
+def objective_size(program: Program, value: float) -> float:
+    """What gaps at the objective `value` are relative to: without the constant, and at least a unit."""
+    return max(scaling(program).unit, abs(value - program.constant))
+
+
 def _has_whole_costs(program: Program) -> bool:
     """Whether the objective is whole: whole costs, of whole columns alone."""
     cost = program.varying

@@ -24,7 +24,7 @@ from .contradiction import BY_HAND, contradiction
 from .program import ROUNDING, Program
 from .ray import unbounded_along
 from .registry import Formulation
-from .scaling import scaling
+from .scaling import objective_size
 from .solution import Solution
 from .solvers import Options, Outcome, get
 from .solvers.outcomes import PROVEN
@@ -220,7 +220,7 @@ def _checked(solution: Solution, program: Program, point: Point) -> Solution:
     if point.wrong:
         return _failed(solution, point.wrong[0])
     objective = program.value(x)
-    bound, size = solution.bound, max(scaling(program).unit, abs(objective - program.constant))
+    bound, size = solution.bound, objective_size(program, objective)
     if bound is not None:
         if program.sign * (bound - objective) > PROVEN * size:
             return _failed(solution, f"the bound {bound:g} contradicts the objective {objective:g}")

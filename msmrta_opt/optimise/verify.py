@@ -20,7 +20,7 @@ from .by_structure import BY_MATRIX
 from .check import Point, is_badly_scaled, proves_infeasible, settled
 from .contradiction import BY_HAND
 from .program import Program
-from .scaling import scaled, scaling
+from .scaling import objective_size, scaled, scaling
 from .settle import Settled, settle
 from .solvers import Options, Outcome, get, solvers
 from .solvers.highs import infeasible_ray
@@ -145,9 +145,7 @@ class Verifier:
     def _against(self, truth: Settled, name: str, outcome: Outcome, *, own: bool) -> Outcome:
         """The outcome, if it agrees with what all points say."""
         right = self._as_settled(truth, "")
-        unit = 1e-9 * max(
-            scaling(self.program).unit, abs((right.bound or 0.0) - self.program.constant)
-        )
+        unit = 1e-9 * objective_size(self.program, right.bound or 0.0)
         wrong = ""
         if outcome.status in ("optimal", "feasible"):
             holds = self._holds(outcome.x)
@@ -249,7 +247,7 @@ class Verifier:
         if outcome.x is None or outcome.bound is None:
             return name, outcome
         value, sign = self.program.value(settled(self.program, outcome.x)), self.program.sign
-        slack = 1e-6 * max(scaling(self.program).unit, abs(value - self.program.constant))
+        slack = 1e-6 * objective_size(self.program, value)
         for other, second in self._second_opinions(name):
             if second.x is None or second.status != "optimal":
                 continue

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..execution.policies import policy_of
-from ..mission.errors import InputError, MistakesError, ModelError, all_of
+from ..mission.errors import InputError, ModelError, all_of, each_of
 from ..mission.instance import Instance
 from ..mission.scenario import Scenario
 from ..mission.suggestions import meant
@@ -229,7 +229,7 @@ def _check_scenarios(study: Study, found: Sequence[Mission]) -> None:
             try:
                 scenario.check_for(mission.instance)
             except InputError as error:
-                for one in error.each if isinstance(error, MistakesError) else [error]:
+                for one in each_of(error):
                     missions_of.setdefault((one.problem, one.field, path), []).append(mission.name)
     if missions_of:
         raise all_of(

@@ -57,9 +57,7 @@ def _by_cvxpy_alone(_: Sequence[Floats]) -> Floats:
 
 def is_constant(node: cp.Expression) -> bool:
     """Whether the value of `node` stands for it: of constants alone, and what is made of them here."""
-    if not node.args:
-        return isinstance(node, cp.Constant)
-    return type(node) not in PASSING and all(map(_has_constants_alone, node.args))
+    return type(node) not in PASSING and _has_constants_alone(node)
 
 
 def _has_constants_alone(node: cp.Expression) -> bool:
