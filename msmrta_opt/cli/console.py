@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..mission.counting import in_full
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -242,8 +244,8 @@ def _print_records(columns: Sequence[str], body: Sequence[Sequence[str]]) -> Non
 
 
 def number(value: float | None, digits: int = 6) -> str:
-    """A number in at most `digits` significant digits; a dash for none."""
-    return "–" if value is None else f"{value:.{digits}g}"
+    """A number in `digits` significant digits, as `in_full`; a dash for none."""
+    return "–" if value is None else in_full(value, digits)
 
 
 def seconds(value: float) -> str:

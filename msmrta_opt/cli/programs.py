@@ -87,7 +87,7 @@ def solve(
     write_json(json, solution.document(), what="solution")
     if figure is not None and solution.found:
         _draw(solution, formulation, data, numbers(formulation, parameters), figure)
-    _show_solution(solution)
+    _show_solution(solution, formulation)
     is_contradicted = False
     if proof is not None:
         values = numbers(formulation, parameters)
@@ -141,7 +141,7 @@ def _start(
     return mip_start(made, data, formulation)
 
 
-def _show_solution(solution: Solution) -> None:
+def _show_solution(solution: Solution, formulation: Formulation) -> None:
     from .console import number, seconds, table
 
     rows: list[tuple[str, object]] = [
@@ -152,12 +152,16 @@ def _show_solution(solution: Solution) -> None:
         ("proof", solution.proof or "–"),
         ("independent check", solution.check or "–"),
         ("solver", f"{solution.solver} {solution.solver_version}"),
-        ("parameters", ", ".join(f"{k} = {v:g}" for k, v in solution.parameters.items())),
         ("canonicalised in", seconds(solution.canonicalise_seconds)),
         ("solved in", seconds(solution.solve_seconds)),
         ("nodes", solution.nodes),
         ("variables, rows", f"{solution.n_variables}, {solution.n_rows}"),
     ]
+    if solution.parameters:
+        told = ", ".join(f"{k} = {v:g}" for k, v in solution.parameters.items())
+        rows.append(("parameters", told))
+    if not formulation.reads_data:
+        rows.append(("data", "it reads nothing of the mission: a program of its own"))
     if solution.reason:
         rows.append(("the solver says", solution.reason))
     table(solution.formulation, ["what", "value"], rows)

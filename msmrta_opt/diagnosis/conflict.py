@@ -24,6 +24,7 @@ import numpy as np
 
 from ..arrays import Bools, Ints
 from ..interruption import interrupted, interruptible
+from ..mission.counting import in_full
 from ..optimise.check import (
     LARGEST_EXACT,
     Point,
@@ -388,6 +389,8 @@ def bound_name(program: Program, column: int, lower: bool, upper: bool) -> str:
     )
     if lower and upper:
         return (
-            f"{name} = {minimum:g}" if minimum == maximum else f"{minimum:g} ≤ {name} ≤ {maximum:g}"
+            f"{name} = {in_full(minimum)}"
+            if minimum == maximum
+            else f"{in_full(minimum)} ≤ {name} ≤ {in_full(maximum)}"
         )
-    return f"{name} ≥ {minimum:g}" if lower else f"{name} ≤ {maximum:g}"
+    return f"{name} ≥ {in_full(minimum)}" if lower else f"{name} ≤ {in_full(maximum)}"

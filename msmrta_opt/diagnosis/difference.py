@@ -15,9 +15,11 @@ import numpy as np
 
 from ..arrays import Floats
 from ..interruption import interruptible
+from ..mission.counting import in_full
 from ..optimise.check import row_misses, violations
 from ..optimise.compile.canonical import AUXILIARY
 from ..optimise.program import Program
+from ..optimise.scaling import objective_size
 from ..optimise.solution import Solution
 from ..optimise.solve import solve_program
 from ..optimise.solvers import Options
@@ -161,18 +163,18 @@ def _few(changes: tuple[str, ...], maximum: int = 4) -> list[str]:
 def _transfer(a: str, b: str, found: Transfer) -> str:
     if found.value is None:
         return f"{a} has no optimum to try in {b}: {found.status}."
-    head = f"The optimum of {a}, {found.value:.9g},"
-    if found.is_feasible is None:
-        return f"{head} was not tried in {b} in time."
-    if not found.is_feasible:
+    head = f"The optimum of {a}, {in_full(found.value)},"
+    if found.is_feasible is False:
         lines = "\n".join(f"  {item}" for item in shortened(list(found.broken)))
         return f"{head} is not feasible in {b}, where it breaks:\n{lines}"
-    worth = f"{head} is feasible in {b}, worth {found.value_there:.9g} there"
+    if found.value_there is None:
+        return f"{head} was not tried in {b} in time."
+    worth = f"{head} is feasible in {b}, worth {in_full(found.value_there)} there"
     if found.loss is None:
         return f"{worth}."
     if found.loss == 0:
         return f"{worth}, and optimal."
-    return f"{worth}, {found.loss:.9g} worse than the optimum of {b}."
+    return f"{worth}, {in_full(found.loss)} worse than the optimum of {b}."
 
 
 def diff(
@@ -267,7 +269,7 @@ def _domains(a: Program, b: Program, both: list[str], places: Places) -> tuple[C
             ("≤", a.upper[i], b.upper[j]),
         ):
             if old != new:
-                changes.append(f"{sign} {old:g} → {sign} {new:g}")
+                changes.append(f"{sign} {in_full(old)} → {sign} {in_full(new)}")
         if a.integer[i] != b.integer[j]:
             words = ["continuous", "integer"]
             changes.append(f"{words[bool(a.integer[i])]} → {words[bool(b.integer[j])]}")
@@ -281,9 +283,13 @@ def _costs(a: Program, b: Program, both: list[str], places: Places) -> tuple[Cha
     for name in both:
         old, new = float(a.cost[places[0][name]]), float(b.cost[places[1][name]])
         if abs(old - new) > SAME * max(abs(old), abs(new)):
-            found.append(Changed(name, name.partition("[")[0], (f"{old:g} → {new:g}",)))
+            found.append(
+                Changed(name, name.partition("[")[0], (f"{in_full(old)} → {in_full(new)}",))
+            )
     if abs(a.offset - b.offset) > SAME * max(abs(a.offset), abs(b.offset)):
-        found.append(Changed("constant", "constant", (f"{a.offset:g} → {b.offset:g}",)))
+        found.append(
+            Changed("constant", "constant", (f"{in_full(a.offset)} → {in_full(b.offset)}",))
+        )
     return tuple(found)
 
 
@@ -364,7 +370,7 @@ def _broken(program: Program, x: Floats) -> tuple[str, ...]:
     outside = np.flatnonzero((x < program.lower - 1e-6) | (x > program.upper + 1e-6))
     return (
         *rows,
-        *(f"{program.column_name(int(j))} = {x[j]:g}, beyond its bounds" for j in outside),
+        *(f"{program.column_name(int(j))} = {in_full(x[j])}, beyond its bounds" for j in outside),
     )
 
 
@@ -374,6 +380,5 @@ def _feasible(
     there, loss = b.value(point), None
     if other.status == "optimal" and other.objective is not None:
         loss = b.sign * (there - other.objective)
-        unit = SAME * max(abs(there - b.offset), abs(other.objective - b.offset), 1e-9)
-        loss = 0.0 if loss <= max(unit, 1e-9) else loss
+        loss = 0.0 if loss <= SAME * objective_size(b, other.objective) else loss
     return Transfer(value, solution.status, True, there, loss)

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..interruption import interruptible
+from ..mission.counting import in_full
 from ..optimise.program import Program
 from ..optimise.solution import Solution
 from ..optimise.solve import solve_program
@@ -70,10 +71,10 @@ class Explanation:
         elif found.objective is None:
             parts.append(f"{self.name} is feasible; no solution was found in time.")
         else:
-            bound = "none" if found.bound is None else f"{found.bound:.9g}"
+            bound = "none" if found.bound is None else in_full(found.bound)
             best = "optimal" if self.status == "optimal" else f"the best found, bound {bound}"
             parts.append(
-                f"{self.name} is feasible: {found.objective:.9g} ({found.sense}) is {best}, by"
+                f"{self.name} is feasible: {in_full(found.objective)} ({found.sense}) is {best}, by"
                 f" {found.solver}{f', {found.proof}' if found.proof else ''}."
             )
         if self.repair is not None:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..mission.counting import in_full
 from ..mission.errors import InputError
 from ..mission.files import read_json, read_text
 from ..optimise.program import Block, Program
@@ -37,7 +38,8 @@ def fixings(program: Program, asked: Asked) -> Fixings:
             raise InputError(f"no variable {name!r}; {_near(name, list(column))}", field="why_not")
         if found.setdefault(place, value) != value:
             raise InputError(
-                f"{name} is asked to be {found[place]:g} and {value:g}; give one", field="why_not"
+                f"{name} is asked to be {in_full(found[place])} and {in_full(value)}; give one",
+                field="why_not",
             )
     if not found:
         raise InputError("nothing is asked for; give for instance x[2,1]=1", field="why_not")
@@ -46,7 +48,7 @@ def fixings(program: Program, asked: Asked) -> Fixings:
 
 def fixing_name(program: Program, column: int, value: float) -> str:
     """For instance ``x[2,1] = 1 (asked)``."""
-    return f"{program.column_name(column)} = {value:g} (asked)"
+    return f"{program.column_name(column)} = {in_full(value)} (asked)"
 
 
 def with_rows(program: Program, given: Fixings) -> Program:

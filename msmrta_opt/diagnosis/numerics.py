@@ -165,9 +165,11 @@ def _free(program: Program) -> Iterator[tuple[float, Hazard]]:
             missing = [side for side, end in (("lower", -low), ("upper", high)) if end >= FAR]
             if program.integer[j] and missing:
                 text = (
-                    f"an integer without {' and '.join(missing)} bound: branching need not end, and"
-                    " no big-M can be tightened; give one"
+                    f"an integer without {' and '.join(missing)} bound"
+                    if np.isinf([low, high]).any()
+                    else f"an integer from {low:g} to {high:g}"
                 )
+                text += ": branching need not end, and no big-M can be tightened; give a nearer one"
                 yield (
                     float(len(missing)),
                     Hazard("free integer", block.name, block.element(j), text),

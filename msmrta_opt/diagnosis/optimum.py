@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 
 from ..arrays import Bools, Floats
+from ..mission.counting import in_full
 from ..mission.errors import ModelError, SolverError
 from ..mission.exact import exact
 from ..optimise.check import TOLERANCE
@@ -60,16 +61,14 @@ class Range:
     def text(self) -> str:
         """The range in words."""
         if self.low is None or self.high is None:
-            return f"{self.parameter} = {self.value:g}: {self.message}"
+            return f"{self.parameter} = {in_full(self.value)}: {self.message}"
         exactly = "" if self.is_exact else " (to 1e-9)"
-        return (
-            f"{self.parameter} = {self.value:g}: optimal from {_number(self.low, self.is_exact)} to "
-            f"{_number(self.high, self.is_exact)}{exactly}"
-        )
+        low, high = _number(self.low, self.is_exact), _number(self.high, self.is_exact)
+        return f"{self.parameter} = {in_full(self.value)}: optimal from {low} to {high}{exactly}"
 
 
 def _number(end: Fraction, is_exact: bool) -> str:
-    plain = f"{float(end):.9g}"
+    plain = in_full(float(end))
     if not is_exact or end.denominator == 1 or Fraction(plain) == end:
         return plain
     return f"{end} ({plain})"

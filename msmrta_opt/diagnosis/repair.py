@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Floats
+from ..mission.counting import in_full
 from ..mission.errors import CheckError, InputError, SolverError
 from ..optimise.program import Block, Program
 from ..optimise.solve import solve_program
@@ -54,7 +55,8 @@ class Relaxed:
         sign, moved = ("≥", self.side - self.by) if self.is_lower else ("≤", self.side + self.by)
         sign = "=" if self.is_equation else sign
         digits = next((d for d in range(6, 17) if f"{moved:.{d}g}" != f"{self.side:.{d}g}"), 17)
-        return f"{self.name}: {sign} {moved:.{digits}g} instead of {sign} {self.side:.{digits}g}"
+        now, side = in_full(moved, digits), in_full(self.side, digits)
+        return f"{self.name}: {sign} {now} instead of {sign} {side}"
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Repair:
             return f"No repair: {self.message}."
         claim = f"none is cheaper ({self.proof})" if self.proof else "a cheaper one may exist"
         lines = [f"  {item.text}" for item in self.rows]
-        return "\n".join([f"Smallest repair, of cost {self.cost:g}; {claim}:", *lines])
+        return "\n".join([f"Smallest repair, of cost {in_full(self.cost)}; {claim}:", *lines])
 
 
 def repair(
@@ -156,7 +158,9 @@ def _weights(program: Program, given: Mapping[str, float]) -> dict[str, float]:
                 field="weights",
             )
         if not weight >= 0:
-            raise InputError(f"{weight:g}; give 0 or more, or inf", field=f"weights[{name!r}]")
+            raise InputError(
+                f"{in_full(weight)}; give 0 or more, or inf", field=f"weights[{name!r}]"
+            )
     return {**known, **given}
 
 

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
+from ..mission.counting import in_full
 from ..optimise.program import Program
 from .signs import signs
 
@@ -48,7 +49,7 @@ class Row:
         for name in dict.fromkeys((*self.terms, *other.terms)):
             old, new = self.terms.get(name, 0.0), other.terms.get(name, 0.0)
             if not _same(old, new):
-                found.append(f"{name}: {old:g} → {new:g}")
+                found.append(f"{name}: {in_full(old)} → {in_full(new)}")
         return tuple(found)
 
     @property
@@ -60,9 +61,9 @@ class Row:
     @property
     def _sides(self) -> str:
         if self.lower == self.upper:
-            return f"= {self.upper:g}"
-        parts = [f"≥ {self.lower:g}"] * math.isfinite(self.lower)
-        parts += [f"≤ {self.upper:g}"] * math.isfinite(self.upper)
+            return f"= {in_full(self.upper)}"
+        parts = [f"≥ {in_full(self.lower)}"] * math.isfinite(self.lower)
+        parts += [f"≤ {in_full(self.upper)}"] * math.isfinite(self.upper)
         return " and ".join(parts) or "free"
 
 

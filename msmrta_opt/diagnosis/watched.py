@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ..mission.counting import in_full
 from ..optimise.assigned import Assigned, assigned
 from ..optimise.compile import compile_for
 from ..optimise.program import Program
@@ -65,7 +66,7 @@ def built(formulation: Formulation, data: Any, **parameters: float) -> Built:
     names = program.column_names
     kinds = ("continuous", "integer")
     domains = (
-        f"{low:g} to {high:g}, {kinds[whole]}"
+        f"{in_full(low)} to {in_full(high)}, {kinds[whole]}"
         for low, high, whole in zip(
             program.lower.tolist(), program.upper.tolist(), program.integer.tolist(), strict=True
         )
@@ -104,7 +105,7 @@ def program_changes(before: Built, after: Built) -> list[str]:
     lines += _parts("rows", before.rows, after.rows)
     lines += _parts("columns", before.columns, after.columns)
     costs = [
-        f"{n}: {before.costs[n]:g} → {after.costs[n]:g}"
+        f"{n}: {in_full(before.costs[n])} → {in_full(after.costs[n])}"
         for n in before.costs
         if n in after.costs and before.costs[n] != after.costs[n]
     ]
@@ -170,7 +171,7 @@ def _result(found: Solution) -> str:
 
 
 def _number(value: float | None) -> str:
-    return "none" if value is None else f"{value:.9g}"
+    return "none" if value is None else in_full(value)
 
 
 def _list(names: tuple[str, ...] | None) -> str:

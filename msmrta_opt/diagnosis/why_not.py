@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import Floats
+from ..mission.counting import in_full
 from ..optimise.check import row_misses
 from ..optimise.program import Program
 from ..optimise.solve import solve_program
@@ -41,7 +42,9 @@ class Term:
     @property
     def text(self) -> str:
         """For instance ``x[2,1]: 0 to 5 (+5)``."""
-        return f"  {self.name}: {self.before:.9g} to {self.after:.9g} ({self.change:+.9g})"
+        return (
+            f"  {self.name}: {in_full(self.before)} to {in_full(self.after)} ({self.change:+.9g})"
+        )
 
 
 @dataclass(frozen=True)
@@ -94,19 +97,20 @@ class WhyNot:
             )
         if self.objective is None or self.optimum is None:
             return f"Why not {asked}: stopped before it was known."
+        with_it, without = in_full(self.objective), in_full(self.optimum)
         if self.is_so:
-            return f"Why not {asked}: it is so in the optimum, {self.objective:.9g}."
+            return f"Why not {asked}: it is so in the optimum, {with_it}."
         if self.status == "optimal":
-            head = f"Why not {asked}: it costs nothing, {self.objective:.9g} is the optimum, too."
+            head = f"Why not {asked}: it costs nothing, {with_it} is the optimum, too."
         elif self.status == "unknown":
             head = (
-                f"Why not {asked}: {self.objective:.9g} was found with it, {self.optimum:.9g} without;"
-                " not both are proven to be the best."
+                f"Why not {asked}: {with_it} was found with it, {without} without; not both are"
+                " proven to be the best."
             )
         else:
             head = (
-                f"Why not {asked}: it costs {self.cost:.9g}, for the best with it is"
-                f" {self.objective:.9g} where {self.optimum:.9g} is the optimum."
+                f"Why not {asked}: it costs {self.cost:.9g}, for the best with it is {with_it} where"
+                f" {without} is the optimum."
             )
         parts = [head]
         for title, terms in (("summands", self.summands), ("variables", self.terms)):
@@ -157,7 +161,7 @@ def why_not(
         Seconds.
     """
     clock = Clock(time_limit)
-    asked = tuple(f"{program.column_name(j)} = {value:g}" for j, value in given.items())
+    asked = tuple(f"{program.column_name(j)} = {in_full(value)}" for j, value in given.items())
     best = program.value(optimum)
     if is_proven and all(abs(optimum[j] - value) <= SAME for j, value in given.items()):
         return WhyNot(asked, "optimal", objective=best, optimum=best, is_so=True)
@@ -205,7 +209,7 @@ def why_not(
         summands=_summands(summands, optimum, x),
         binding=_binding(program, optimum, x),
         moved=tuple(
-            f"{program.column_name(int(j))}: {optimum[j]:g} to {x[j]:g}"
+            f"{program.column_name(int(j))}: {in_full(optimum[j])} to {in_full(x[j])}"
             for j in np.flatnonzero(program.integer & (optimum != x) & (program.cost == 0))
         ),
     )

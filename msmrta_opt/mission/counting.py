@@ -1,6 +1,9 @@
-"""Counts in words."""
+"""Counts and numbers as people read them."""
 
 from __future__ import annotations
+
+LONGEST_IN_FULL = 1e15
+"""Numbers from here on are told by their power of ten."""
 
 
 def counted(number: int, noun: str) -> str:
@@ -11,3 +14,10 @@ def counted(number: int, noun: str) -> str:
 def rows_by_columns(shape: tuple[int, int]) -> str:
     """The size of a map or an image, as all tell it: ``20 rows × 30 columns``."""
     return f"{counted(shape[0], 'row')} × {counted(shape[1], 'column')}"
+
+
+def in_full(value: float, digits: int = 9) -> str:
+    """`value` in so many significant digits, or in all those before its point if these are more."""
+    if 1 <= abs(value) < LONGEST_IN_FULL:
+        digits = max(digits, len(str(int(abs(value)))))
+    return f"{value:.{digits}g}"

@@ -11,6 +11,8 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from ..arrays import Floats
 from .assignment import solve_assignment
 from .check import TIGHT, dual_bound, settled, violations
@@ -43,6 +45,7 @@ def solve_by_structure(
             bound = dual_bound(relaxed, duals)
             if _is_tight(program, x, bound):
                 proof = f"{structure.description}; assignment algorithm, dual values"
+                duals = _on_rows(program, relaxed, duals)
                 return "lsa", Outcome("optimal", x, bound, duals=duals, proof=proof)
         proof = f"{structure.description}; simplex, dual values"
     else:
@@ -53,8 +56,9 @@ def solve_by_structure(
         x = settled(program, outcome.x)
         if not violations(program, x):
             proven = None if outcome.duals is None else dual_bound(relaxed, outcome.duals)
-            if proven is not None and _is_tight(program, x, proven):
-                return highs.name, replace(outcome, x=x, bound=proven, proof=proof)
+            if outcome.duals is not None and proven is not None and _is_tight(program, x, proven):
+                duals = _on_rows(program, relaxed, outcome.duals)
+                return highs.name, replace(outcome, x=x, bound=proven, duals=duals, proof=proof)
     if outcome.status == "infeasible":
         return highs.name, replace(outcome, message="the relaxation is infeasible")
     if options.time_limit is not None:
@@ -66,3 +70,28 @@ def solve_by_structure(
 def _is_tight(program: Program, x: Floats, bound: float) -> bool:
     value = program.value(x)
     return abs(value - bound) <= TIGHT * objective_size(program, value)
+
+
+def _on_rows(program: Program, relaxed: Program, duals: Floats) -> Floats:
+    """The `duals` of `relaxed`, with those of the single-entry rows that gave it tighter bounds.
+
+    The reduced cost of a column at such a bound is the row's dual value in `program`, whose own bounds
+    are wider.
+    """
+    matrix = program.matrix
+    single = np.flatnonzero(np.diff(matrix.indptr) == 1)
+    if not single.size:
+        return duals
+    at = matrix.indptr[single]
+    column, factor = matrix.indices[at], matrix.data[at]
+    reduced = (program.sign * program.cost - matrix.T @ duals)[column]
+    at_lower = reduced > 0
+    bound = np.where(at_lower, relaxed.lower[column], relaxed.upper[column])
+    own = np.where(at_lower, program.lower[column], program.upper[column])
+    is_lower = at_lower == (factor > 0)
+    side = np.where(is_lower, program.row_lower[single], program.row_upper[single])
+    gives = np.flatnonzero((reduced != 0) & (bound != own) & (factor * bound == side))
+    gives = gives[np.unique(column[gives], return_index=True)[1]]
+    moved = duals.copy()
+    moved[single[gives]] += reduced[gives] / factor[gives]
+    return moved

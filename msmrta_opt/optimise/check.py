@@ -306,15 +306,17 @@ def dual_bound(program: Program, duals: Floats) -> float:
     """
     matrix, sizes = program.matrix, np.abs(program.cost)
     rounding = 1e-9 * float(sizes.max(initial=0.0))
-    duals, of_rows = _leaning(duals, program.row_lower, program.row_upper, rounding)
+    duals, of_rows, sides = _leaning(duals, program.row_lower, program.row_upper, rounding)
     # By numpy alone: most programs are so small that sparse matrices' own bookkeeping would prevail.
     terms = matrix.data * np.repeat(duals, np.diff(matrix.indptr))
     reduced = program.sign * program.cost - _by_column(program, terms)
-    left, of_columns = _leaning(reduced, program.lower, program.upper, rounding)
+    left, of_columns, ends = _leaning(reduced, program.lower, program.upper, rounding)
     minimum = of_rows + of_columns
     parts = np.where(left == 0, 0.0, sizes + _by_column(program, np.abs(terms)))
-    size = parts @ _largest_end(program.lower, program.upper)
-    size += np.abs(duals) @ _largest_end(program.row_lower, program.row_upper)
+    # What is 0 but for rounding might lean on the other end.
+    is_open = np.abs(left) <= PRECISION * parts
+    ends = np.where(is_open, _largest_end(program.lower, program.upper), np.abs(ends))
+    size = parts @ ends + np.abs(duals) @ np.abs(sides)
     error = PRECISION * float(size)
     if error > TIGHT * abs(minimum):
         minimum -= error
@@ -332,14 +334,16 @@ def _largest_end(lower: Floats, upper: Floats) -> Floats:
     return np.maximum(*ends)
 
 
-def _leaning(weight: Floats, lower: Floats, upper: Floats, rounding: float) -> tuple[Floats, float]:
+def _leaning(
+    weight: Floats, lower: Floats, upper: Floats, rounding: float
+) -> tuple[Floats, float, Floats]:
     """`weight` without what leans on an infinite side by no more than rounding, and what it proves.
 
-    That is the minimum of ``weight @ z`` over ``lower ≤ z ≤ upper``.
+    That is the minimum of ``weight @ z`` over ``lower ≤ z ≤ upper``. Third come the sides on which it
+    leans, 0 where there is no weight.
     """
     side = np.where(weight > 0, lower, upper)
-    if np.isfinite(side).all():
-        return weight, float(weight @ side)
-    weight = np.where(np.isinf(side) & (np.abs(weight) <= rounding), 0.0, weight)
-    leans = weight != 0
-    return weight, float(weight[leans] @ side[leans])
+    if not np.isfinite(side).all():
+        weight = np.where(np.isinf(side) & (np.abs(weight) <= rounding), 0.0, weight)
+        side = np.where(weight == 0, 0.0, side)
+    return weight, float(weight @ side), side

@@ -8,6 +8,7 @@ raises that error. Folders of one's own come from `add_models` or the environmen
 from __future__ import annotations
 
 import ast
+import dis
 import hashlib
 import importlib
 import inspect
@@ -16,6 +17,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from keyword import iskeyword
 from pathlib import Path
 from types import ModuleType
@@ -51,6 +53,22 @@ class Formulation:
     build: Callable[[Any], cp.Problem] = field(compare=False)
     digest: str = ""
     """Of the file's contents as they were loaded."""
+
+    @cached_property
+    def reads_data(self) -> bool:
+        """Whether ``build`` looks at what it is given.
+
+        If not, it states a program of its own: it can be solved, explained, compared and exported as
+        it is, and is under no contract of a stage, whose plans it cannot serve.
+        """
+        code = getattr(self.build, "__code__", None)
+        if code is None or code.co_argcount == 0:
+            return True
+        name = code.co_varnames[0]
+        used = (step.argval for step in dis.get_instructions(code) if step.opcode in dis.haslocal)
+        return name in code.co_cellvars or any(
+            name in (item if isinstance(item, tuple) else (item,)) for item in used
+        )
 
     def takes(self, **values: float) -> dict[str, Any]:
         """Those of `values` that are parameters of this formulation."""
@@ -265,6 +283,23 @@ def get(name: str, *, stage: str | None = None) -> Formulation:
             field="model",
         )
     return listing.formulation
+
+
+def for_plans(name: str, stage: str) -> Formulation:
+    """The formulation called `name`, whose solutions a plan's `stage` can read.
+
+    Raises
+    ------
+    InputError, ModelError
+        As `get`, and if it reads nothing of the stage's data.
+    """
+    found = get(name, stage=stage)
+    if not found.reads_data:
+        raise ModelError(
+            f"{name}: build(data) reads nothing of its data, so no plan can follow from it; "
+            f"`msmrta solve` takes it as a program of its own"
+        )
+    return found
 
 
 def find(name: str) -> Path | None:

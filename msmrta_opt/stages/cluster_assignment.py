@@ -112,7 +112,7 @@ def cluster_assignment(
     chosen = np.zeros(data.w.shape, dtype=bool)
     if not clusters.n_clusters:
         return ClusterAssignment(chosen, [], deferred, None)
-    model = registry.get(options.cluster_model, stage="cluster")
+    model = registry.for_plans(options.cluster_model, "cluster")
     solution = solve(model, data, solver=options.solver, **options.values_for(model)).require()
     chosen = solution.values["x"] > 0.5
     stops: list[Stop] = []

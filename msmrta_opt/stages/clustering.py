@@ -122,7 +122,7 @@ def clustering_data(situation: Situation) -> ClusteringData:
 
 def _around_medians(situation: Situation, name: str, options: StagedOptions) -> Clustering:
     data = clustering_data(situation)
-    model = registry.get(name, stage="clustering")
+    model = registry.for_plans(name, "clustering")
     solution = solve(model, data, solver=options.solver, **options.values_for(model)).require()
     y = solution.values["y"]
     cells = sorted(set(situation.instance.cells))

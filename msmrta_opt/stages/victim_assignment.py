@@ -60,7 +60,7 @@ def victim_assignment(
     """
     if not data.can_serve.any():
         return VictimAssignment([], None)
-    model = registry.get(options.victim_model, stage="victim")
+    model = registry.for_plans(options.victim_model, "victim")
     solution = solve(model, data, solver=options.solver, **options.values_for(model))
     if solution.status == "infeasible" and np.isfinite(data.endurance).any():
         raise CheckError(_too_little_time(situation, data))

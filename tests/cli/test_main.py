@@ -157,6 +157,12 @@ def test_ctrl_c_ends_the_process_with_130_and_no_traceback(corridor_file: Path) 
     assert err == "interrupted\n"
 
 
+def test_the_package_runs_as_a_module() -> None:
+    line = [sys.executable, "-m", "msmrta_opt", "planners", "--help"]
+    found = subprocess.run(line, capture_output=True, text=True, check=True)
+    assert "msmrta planners" in found.stdout
+
+
 def test_exit_statuses_reach_the_shell(corridor_file: Path, tmp_path: Path) -> None:
     made = plan(Instance.read(corridor_file)).document()
     made["routes"][0]["visits"][0]["arrival"] += 1

@@ -220,6 +220,32 @@ def test_a_dual_value_is_what_a_unit_more_of_the_side_is_worth(solver: str) -> N
         assert solve_program(trial, solver=solver).duals["row {i}"].tolist() == [worth]
 
 
+@pytest.mark.parametrize(
+    ("entries", "side", "right"),
+    [
+        ([1.0, 0.0], 3.0, 1.0),
+        ([2.0, 0.0], 6.0, 0.5),
+        ([0.0, 5.0], 5.0, 0.4),
+        ([0.0, -1.0], None, 0.0),
+    ],
+)
+def test_the_dual_value_of_a_row_of_one_variable_is_no_bound_s(
+    entries: list[float], side: float | None, right: float
+) -> None:
+    """x0 + 2 x1 with whole numbers from 0 on: a unit more of the side costs cost / coefficient."""
+    row_lower = -INF if side is None else side
+    wait = program([entries], INF, [1.0, 2.0], row_lower=[row_lower], upper=10.0)
+    found = solve_program(wait)
+    assert (found.status, found.duals["row {i}"].tolist()) == ("optimal", [right])
+
+
+@pytest.mark.parametrize("upper", [10.0, 1e6, 1e9, 1e12])
+def test_a_far_bound_on_which_nothing_leans_costs_no_proof(upper: float) -> None:
+    wait = program([[0.1]], INF, 1.0, row_lower=[0.3], upper=upper)
+    found = solve_program(wait)
+    assert (found.status, found.objective, found.bound) == ("optimal", 3, 3)
+
+
 @pytest.mark.parametrize("kind", [{"integer": True}, {"integer": True, "nonneg": True}])
 @pytest.mark.parametrize("value", [0.5, 1.25, 2.999])
 def test_a_whole_number_parameter_takes_no_fraction(value: float, kind: dict[str, bool]) -> None:

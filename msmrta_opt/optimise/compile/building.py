@@ -47,7 +47,7 @@ def built(formulation: Formulation, data: object) -> cp.Problem:
         raise ModelError(
             f"{name}: two variables are called {repeated!r}; give each a name of its own"
         )
-    if isinstance(data, StageData):
+    if isinstance(data, StageData) and formulation.reads_data:
         for variable in data.solution:
             _require_variable(name, variable, data, variables)
     _require_parameters(formulation, problem)

@@ -156,6 +156,8 @@ def compile_formulation(formulation: Formulation, data: object) -> Compiled:
     began = time.perf_counter()
     name = formulation.name
     problem = built(formulation, data)
+    if not formulation.reads_data:
+        data = None  # a program of its own has no stage, whose axes and contract would be its
     kept = _alike.setdefault(formulation.build, _Alike())
     kept.declared = set_defaults(formulation, problem, kept.declared)
     canonical = canonicalise(name, problem, kept.patterns)

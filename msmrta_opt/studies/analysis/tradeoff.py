@@ -199,7 +199,7 @@ class _Problem:
         self, mission: Instance, over: str, stage: str, model: str, settings: StagedOptions
     ) -> None:
         self.mission, self.over, self.settings = require_mission(mission), over, settings
-        self.model = registry.get(model, stage=stage)
+        self.model = registry.for_plans(model, stage)
         self.data = stage_data(mission, stage, settings)
         self.others = settings.values_for(self.model)
         self.family = Family(compile_for(self.model, self.data), over, **self.others)
