@@ -11,8 +11,8 @@ import typer
 
 from ..mission.counting import counted
 from .console import Json
-from .models import Folders, Options, Parameters, add_folders
 from .proofs import SUFFIX, check_proofs
+from .subjects import Folders, Options, Parameters, add_folders
 
 if TYPE_CHECKING:
     from ..certify.certificates import Recheck
@@ -42,8 +42,8 @@ def check(
     files: Annotated[
         list[Path],
         typer.Argument(
-            help="Instance, plan and run files; or proofs (FILE.vipr); or a proof, a formulation and an "
-            "instance, of whose program it must be.",
+            help="Instance, plan and run files; or proofs (FILE.vipr); or a proof and the program that "
+            "it must be of: a formulation and an instance, or a file.",
             metavar="FILE…",
         ),
     ],

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .missions import Figure, Json
-from .models import Options, Parameters, values_of
 from .outputs import named_values
+from .subjects import Options, Parameters, values_of
 
 if TYPE_CHECKING:
     from ..mission.instance import Instance

@@ -8,18 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .console import Json, write_json
-from .models import Folders, Options, Parameters, numbers, prepared
+from .subjects import Folders, Mission, Options, Parameters, Subject, asked, numbers
 
 if TYPE_CHECKING:
     from ..optimise.registry import Formulation
-
-Subject = Annotated[
-    str, typer.Argument(help="A formulation, or a file: .mps or .lp.", metavar="MODEL")
-]
-Mission = Annotated[
-    Path | None,
-    typer.Argument(help="An instance file; none for a file.", metavar="[INSTANCE]"),
-]
 
 
 def register(app: typer.Typer) -> None:
@@ -58,7 +50,7 @@ def explain(
     from .outputs import check_outputs
 
     check_outputs(json, inputs=[instance])
-    what, data, values = _asked(model, instance, parameters, options, folders)
+    what, data, values = asked(model, instance, parameters, options, folders)
     found = find(
         what,
         data,
@@ -111,8 +103,8 @@ def diff(
     documents: dict[str, Any] = {}
     texts: list[str] = []
     if instance is not None or not search:
-        first, data, _ = _asked(model_a, instance, None, options, folders)
-        second, _, _ = _asked(model_b, instance, None, options, folders)
+        first, data, _ = asked(model_a, instance, None, options, folders)
+        second, _, _ = asked(model_b, instance, None, options, folders)
         found = find(
             first, second, data, time_limit=time_limit, **_shared(first, second, parameters)
         )
@@ -142,8 +134,8 @@ def _search(
     from ..optimise import registry
     from ..stages.options import options_type
     from ..studies.analysis.witness import witness
-    from .models import add_folders
     from .outputs import named_values
+    from .subjects import add_folders
 
     add_folders(folders)
     first, second = registry.get(model_a), registry.get(model_b)
@@ -182,28 +174,6 @@ def _shared(
             if name in names and not isinstance(item, str):
                 given[name] = numbers(item, [text])[name]
     return given
-
-
-def _asked(
-    model: str,
-    instance: Path | None,
-    parameters: list[str] | None,
-    options: list[str] | None,
-    folders: list[Path] | None,
-) -> tuple[str | Formulation, Any, dict[str, Any]]:
-    """A formulation, its data and its parameters; or a file alone."""
-    from ..mission.errors import InputError
-    from ..optimise.export import FORMATS
-
-    if Path(model).suffix in FORMATS:
-        for given, what in ((instance, "INSTANCE"), (parameters, "--param"), (options, "--option")):
-            if given:
-                raise InputError("a file stands by itself; leave it out", field=what)
-        return model, None, {}
-    if instance is None:
-        raise InputError(f"{model!r} is a formulation; give an instance, too", field="INSTANCE")
-    formulation, data = prepared(model, instance, options, folders)
-    return formulation, data, numbers(formulation, parameters)
 
 
 def _values(texts: list[str] | None) -> str | list[str] | None:

@@ -10,7 +10,7 @@ import typer
 from ..routing.objectives import NAMES
 from .check import check
 from .console import Json as Json
-from .models import Folders, Parameters, add_folders, values_of
+from .subjects import Folders, Parameters, add_folders, values_of
 
 InstanceFile = Annotated[
     Path,

@@ -9,40 +9,17 @@ import typer
 
 from .console import Json
 from .outputs import named_values
+from .subjects import Folders, Model, Options, Parameters, add_folders, numbers, prepared, values_of
 
 if TYPE_CHECKING:
     from ..mission.instance import Instance
     from ..optimise.registry import Formulation, Listing
-
-Folders = Annotated[
-    list[Path] | None,
-    typer.Option("--models", help="A further folder of formulations.", metavar="DIR"),
-]
-Model = Annotated[str, typer.Argument(help="A formulation.", metavar="MODEL")]
-
-
-Parameters = Annotated[
-    list[str] | None,
-    typer.Option("--param", help="A parameter of the formulation.", metavar="NAME=VALUE"),
-]
-Options = Annotated[
-    list[str] | None,
-    typer.Option("--option", help="An option of the stages before.", metavar="NAME=VALUE"),
-]
 
 
 def register(app: typer.Typer) -> None:
     """Add this file's commands to `app`."""
     for command in (models, show, new_model, solvers):
         app.command()(command)
-
-
-def add_folders(folders: list[Path] | None) -> None:
-    """Make the formulations of `folders` known."""
-    from ..optimise import registry
-
-    for folder in folders or []:
-        registry.add_models(folder)
 
 
 def models(
@@ -347,48 +324,3 @@ def solvers(json: Json = None) -> None:
             for record in records
         ],
     )
-
-
-def prepared(
-    model: str, instance: Path, options: list[str] | None, folders: list[Path] | None
-) -> tuple[Formulation, Any]:
-    """The formulation and its data, for an instance file."""
-    from ..mission.instance import Instance
-    from ..optimise import registry
-    from ..stages.data import stage_data
-    from ..stages.options import options_type
-
-    add_folders(folders)
-    formulation = registry.get(model)
-    stage = formulation.spec.stage
-    given = options_type(stage).of(**named_values(options))
-    return formulation, stage_data(Instance.read(instance), stage, given)
-
-
-def numbers(formulation: Formulation, texts: list[str] | None) -> dict[str, Any]:
-    """The parameters of `formulation`, those of `texts` and defaults for the rest."""
-    from ..optimise.compile import parameter_values
-
-    return parameter_values(formulation, values_of(texts))
-
-
-def values_of(texts: list[str] | None) -> dict[str, float]:
-    """The parameters written as ``NAME=NUMBER``.
-
-    Raises
-    ------
-    InputError
-        If one has no name or no number, or is given twice.
-    """
-    from ..mission.errors import InputError
-
-    given: dict[str, float] = {}
-    for text in texts or []:
-        name, _, value = text.partition("=")
-        if name in given:
-            raise InputError(f"{name!r} is given twice; give it once", field="--param")
-        try:
-            given[name] = float(value)
-        except ValueError:
-            raise InputError(f"{text!r}; give NAME=NUMBER", field="--param") from None
-    return given

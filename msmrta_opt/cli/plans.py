@@ -11,8 +11,8 @@ import typer
 from ..routing.objectives import DEFAULT, NAMES, objective_of
 from .console import Json
 from .missions import Figure, Seed
-from .models import Folders, Parameters, add_folders, values_of
 from .outputs import named_values
+from .subjects import Folders, Parameters, add_folders, values_of
 
 if TYPE_CHECKING:
     from ..studies.analysis.staging import Candidate, Loss

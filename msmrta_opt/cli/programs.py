@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .console import Json
-from .missions import InstanceFile
-from .models import Folders, Model, Options, Parameters, numbers, prepared
 from .outputs import named_values
+from .subjects import Folders, Mission, Options, Parameters, Subject, asked
 
 if TYPE_CHECKING:
     from ..arrays import Floats
@@ -25,8 +24,8 @@ def register(app: typer.Typer) -> None:
 
 
 def solve(
-    model: Model,
-    instance: InstanceFile,
+    model: Subject,
+    instance: Mission = None,
     solver: Annotated[str, typer.Option(help="auto, or a solver's name.")] = "auto",
     structure: Annotated[
         bool,
@@ -61,18 +60,18 @@ def solve(
         typer.Option(help="Write values, choice and duals as a picture: .png, .svg or .pdf."),
     ] = None,
 ) -> None:
-    """Solve a formulation on an instance, and print the solution with its certificate."""
+    """Solve a formulation on an instance, or the program of a file; print solution and certificate."""
     from ..optimise.solve import solve as solve_it
     from .console import write_json
     from .outputs import check_outputs
     from .proofs import proved, require_suffix
 
     require_suffix(proof)
-    check_outputs(proof, json, figure=figure, inputs=[instance])
-    formulation, data = prepared(model, instance, options, folders)
-    point = None if start is None else _start(start, formulation, data, instance, options)
+    check_outputs(proof, json, figure=figure, inputs=[instance or Path(model)])
+    what, data, values = asked(model, instance, parameters, options, folders)
+    point = None if start is None else _start(start, what, data, instance, options)
     solution = solve_it(
-        formulation,
+        what,
         data,
         solver=solver,
         structure=structure,
@@ -82,36 +81,43 @@ def solve(
         threads=threads,
         start=point,
         verbose=verbose,
-        **numbers(formulation, parameters),
+        **values,
     )
     write_json(json, solution.document(), what="solution")
     if figure is not None and solution.found:
-        _draw(solution, formulation, data, numbers(formulation, parameters), figure)
-    _show_solution(solution, formulation)
+        _draw(solution, what, data, values, figure)
+    _show_solution(solution, is_own=not isinstance(what, str) and not what.reads_data)
     is_contradicted = False
     if proof is not None:
-        values = numbers(formulation, parameters)
-        found = proved(solution, formulation, data, proof, proof_time, values)
+        found = proved(solution, what, data, proof, proof_time, values)
         is_contradicted = bool(found.contradiction)
     if not solution.found or is_contradicted:
         raise typer.Exit(1)
 
 
 def _draw(
-    solution: Solution, formulation: Formulation, data: Any, values: dict[str, Any], path: Path
+    solution: Solution,
+    what: str | Formulation,
+    data: Any,
+    values: dict[str, Any],
+    path: Path,
 ) -> None:
-    from ..optimise.compile import compile_formulation
+    from ..optimise.subject import subject
     from ..plots import save_figure
     from ..studies.analysis.solution_picture import plot_solution
     from .console import writing
 
-    program = compile_formulation(formulation, data).program(**values)
+    program = subject(what, data, **values).program
     with writing("picture", path):
         save_figure(plot_solution(program, solution), path)
 
 
 def _start(
-    text: str, formulation: Formulation, data: Any, instance: Path, options: list[str] | None
+    text: str,
+    formulation: str | Formulation,
+    data: Any,
+    instance: Path | None,
+    options: list[str] | None,
 ) -> dict[str, Floats]:
     """The plan of a file, or of a planner, as a point to start from."""
     from ..certify.plan import problems
@@ -122,6 +128,8 @@ def _start(
     from ..planners import planners
     from ..planners.support.mip_start import mip_start
 
+    if isinstance(formulation, str) or instance is None:
+        raise InputError("a plan is no start for a file; leave it out", field="--start")
     if formulation.spec.stage != "routing":
         raise InputError(
             f"a plan is no start for a formulation of stage {formulation.spec.stage!r}; "
@@ -141,7 +149,7 @@ def _start(
     return mip_start(made, data, formulation)
 
 
-def _show_solution(solution: Solution, formulation: Formulation) -> None:
+def _show_solution(solution: Solution, *, is_own: bool) -> None:
     from .console import number, seconds, table
 
     rows: list[tuple[str, object]] = [
@@ -160,7 +168,7 @@ def _show_solution(solution: Solution, formulation: Formulation) -> None:
     if solution.parameters:
         told = ", ".join(f"{k} = {v:g}" for k, v in solution.parameters.items())
         rows.append(("parameters", told))
-    if not formulation.reads_data:
+    if is_own:
         rows.append(("data", "it reads nothing of the mission: a program of its own"))
     if solution.reason:
         rows.append(("the solver says", solution.reason))
@@ -170,20 +178,20 @@ def _show_solution(solution: Solution, formulation: Formulation) -> None:
 
 
 def export(
-    model: Model,
-    instance: InstanceFile,
+    model: Subject,
     output: Annotated[Path, typer.Option("--output", "-o", help="The file: .mps or .lp.")],
+    instance: Mission = None,
     parameters: Parameters = None,
     options: Options = None,
     folders: Folders = None,
 ) -> None:
-    """Write a formulation on an instance as an integer program, for any solver, unsolved."""
+    """Write a formulation on an instance, or the program of a file, for any solver, unsolved."""
     from ..optimise.export import export as write
     from ..optimise.export import require_format
     from .outputs import check_outputs
 
-    check_outputs(output, inputs=[instance])
+    check_outputs(output, inputs=[instance or Path(model)])
     require_format(output)
-    formulation, data = prepared(model, instance, options, folders)
-    write(formulation, data, output, **numbers(formulation, parameters))
-    typer.echo(f"{formulation.name} written to {output}")
+    what, data, values = asked(model, instance, parameters, options, folders)
+    write(what, data, output, **values)
+    typer.echo(f"{model} written to {output}")

@@ -43,7 +43,7 @@ def require_suffix(path: Path | None) -> None:
 
 def proved(
     solution: Solution,
-    formulation: Formulation,
+    what: str | Formulation,
     data: Any,
     path: Path,
     time_limit: float,
@@ -52,9 +52,7 @@ def proved(
     """Prove what `solution` says, say what came of it, and give it back."""
     from ..proofs.prove import prove
 
-    found = prove(
-        formulation, data, path=path, solution=solution, time_limit=time_limit, **parameters
-    )
+    found = prove(what, data, path=path, solution=solution, time_limit=time_limit, **parameters)
     say_proof(str(path), found)
     return found
 
@@ -120,14 +118,17 @@ def _told(proof: Proof | None) -> tuple[object, ...]:
 def check_proofs(
     files: Sequence[Path], options: list[str] | None, params: list[str] | None
 ) -> None:
-    """Check proofs; one followed by a formulation and an instance must be of that program."""
+    """Check proofs; one that a program follows, as `solve` takes it, must be of that program."""
     from ..mission.errors import CheckError, InputError
     from ..proofs.stated import check_proof
+    from .subjects import asked
 
     proofs = [file for file in files if file.suffix == SUFFIX]
     rest = list(files[len(proofs) :])
-    if list(files[: len(proofs)]) != proofs or (rest and (len(rest) != 2 or len(proofs) != 1)):
-        raise InputError("give proofs alone, or one proof, a formulation and an instance")
+    if list(files[: len(proofs)]) != proofs or len(rest) > 2 or (rest and len(proofs) != 1):
+        raise InputError(
+            "give proofs alone, or one proof and a formulation with its instance or a file"
+        )
     if not rest and (options or params):
         raise InputError(
             "is for a formulation; give FILE.vipr, the formulation and the instance",
@@ -137,10 +138,8 @@ def check_proofs(
     data: Any = None
     values: dict[str, Any] = {}
     if rest:
-        from .models import numbers, prepared
-
-        what, data = prepared(str(rest[0]), rest[1], options, None)
-        values = numbers(what, params)
+        instance = rest[1] if len(rest) == 2 else None
+        what, data, values = asked(str(rest[0]), instance, params, options, None)
     failed = False
     for file in proofs:
         try:
@@ -149,7 +148,7 @@ def check_proofs(
             typer.echo(str(error), err=True)
             failed = True
         else:
-            of = f", of {rest[0]} on {rest[1]}" if rest else ""
+            of = f", of {' on '.join(map(str, rest))}" if rest else ""
             typer.echo(f"{file}: proved: {claim}{of}")
     if failed:
         raise typer.Exit(1)

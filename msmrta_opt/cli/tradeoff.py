@@ -10,8 +10,8 @@ import typer
 
 from .console import Json
 from .missions import Figure, InstanceFile, Seed
-from .models import Folders, Options, Parameters, add_folders, values_of
 from .outputs import named_values
+from .subjects import Folders, Options, Parameters, add_folders, values_of
 
 if TYPE_CHECKING:
     from ..mission.metrics import Metrics

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .missions import InstanceFile
-from .models import Folders, Model, Options, Parameters, numbers, prepared
+from .subjects import Folders, Model, Options, Parameters, numbers, prepared
 
 if TYPE_CHECKING:
     from ..diagnosis.watched import Built, Solved

@@ -1,4 +1,4 @@
-"""From a formulation and data to one checked `Solution`.
+"""From a formulation and data, or any linear integer program, to one checked `Solution`.
 
 The solver ``auto`` (the default) lets the matrix decide (`by_structure`); one asked for by name gets
 the integer program as it stands. What either claims is believed as far as `verify` goes, and what comes
@@ -19,24 +19,23 @@ from ..interruption import interruptible
 from ..mission.errors import InputError, UnsupportedError
 from .by_structure import BY_MATRIX, solve_by_structure
 from .check import TIGHT, TOLERANCE, Point, dual_bound, settled, violations
-from .compile import compile_for, parameter_values
 from .contradiction import BY_HAND, contradiction
 from .program import ROUNDING, Program
 from .ray import unbounded_along
-from .registry import Formulation
 from .scaling import objective_size
 from .solution import Solution
 from .solvers import Options, Outcome, get
 from .solvers.outcomes import PROVEN
 from .structure import Structure, recognise
+from .subject import subject
 from .verify import PROVED, Verifier
 
 AUTO = "auto"
 
 
 def solve(
-    formulation: str | Formulation,
-    data: Any,
+    what: Any,
+    data: Any = None,
     *,
     solver: str = AUTO,
     structure: bool = True,
@@ -48,14 +47,15 @@ def solve(
     verbose: bool = False,
     **parameters: float,
 ) -> Solution:
-    """Solve `formulation` on `data`.
+    """Solve a formulation on data, or a linear integer program from elsewhere.
 
     Parameters
     ----------
-    formulation : str or Formulation
-        Its name in the registry, or itself.
+    what : str, Formulation, path, cvxpy.Problem or Program
+        A formulation, by its name or itself, which takes `data`; a file in MPS or LP format; any linear
+        (integer) problem of cvxpy; or arrays.
     data
-        What its stage takes, for instance `ClusterData`.
+        What the formulation's stage takes, for instance `ClusterData`.
     solver : str
         ``auto``, or the name of a solver (`solvers.solvers`).
     structure : bool
@@ -81,14 +81,14 @@ def solve(
     InputError
         If a name, an option or a parameter is wrong.
     ModelError
-        If the formulation cannot be built as a linear integer program.
+        If it cannot be built as a linear integer program.
     SolverError
         If the solver is missing, or cannot do what is asked.
     """
     options = Options(time_limit=time_limit, gap=gap, seed=seed, threads=threads, verbose=verbose)
     began = time.perf_counter()
-    compiled = compile_for(formulation, data)
-    program = compiled.program(**parameters)
+    asked = subject(what, data, **parameters)
+    program, compiled = asked.program, asked.compiled
     canonicalised = time.perf_counter() - began
     if start is not None:
         options = replace(options, start=_start(program, start))
@@ -97,15 +97,16 @@ def solve(
         solver=solver,
         structure=structure,
         options=options,
-        recognised=lambda: compiled.structure(program),
+        recognised=None if compiled is None else lambda: compiled.structure(program),
     )
-    if solution.found and (broken := compiled.broken(solution.values)):
+    broken = compiled.broken(solution.values) if compiled is not None and solution.found else ""
+    if broken:
         solution = replace(_failed(solution, broken), objective=None, values={})
     return replace(
         solution,
-        formulation=compiled.formulation.name,
-        digest=compiled.formulation.digest,
-        parameters=parameter_values(compiled.formulation, parameters),
+        formulation=asked.name,
+        digest="" if compiled is None else compiled.formulation.digest,
+        parameters=dict(asked.parameters),
         canonicalise_seconds=canonicalised,
     )
 

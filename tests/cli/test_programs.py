@@ -1,7 +1,8 @@
-"""The command export, as a user types it."""
+"""The commands solve and export, of formulations and of files, as a user types them."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,9 +12,10 @@ from support.own_models import ENOUGH
 
 from msmrta_opt import cli, formulations
 from msmrta_opt.cli import programs
+from msmrta_opt.cli.proofs import check_proofs
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise.export import read_program
-from msmrta_opt.optimise.solve import solve_program
+from msmrta_opt.optimise.solve import solve, solve_program
 from msmrta_opt.planners import plan
 
 Run = Callable[..., int]
@@ -107,3 +109,64 @@ def test_bad_input_gets_one_line_and_exit_2_and_writes_nothing(
     assert problem in told.err
     assert told.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+COVER = """\\ two of three, the cheaper ones
+Minimize
+ cost: 3 a + 5 b + 4 c
+Subject To
+ two: a + b + c >= 2
+ apart: a + c <= 1
+Binaries
+ a b c
+End
+"""
+
+
+def test_the_program_of_a_file_is_solved_proved_checked_and_turned_into_the_other_format(
+    run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a and c only one: b and a, at 8."""
+    lp, mps, proof = (tmp_path / f"cover{suffix}" for suffix in (".lp", ".mps", ".vipr"))
+    lp.write_text(COVER)
+    assert run("solve", lp, "--proof", proof, "--json", tmp_path / "found.json") == 0
+    found = json.loads((tmp_path / "found.json").read_text())
+    assert (found["status"], found["objective"]) == ("optimal", 8)
+    assert "reads nothing" not in capsys.readouterr().out
+    assert run("export", lp, "-o", mps) == 0
+    assert solve(mps).objective == solve(read_program(lp)).objective == 8
+    check_proofs([proof, mps], None, None)
+    assert f"minimum in [8, 8], of {mps}" in capsys.readouterr().out
+    lp.write_text(COVER.replace("5 b", "6 b"))
+    with pytest.raises(typer.Exit):
+        check_proofs([proof, lp], None, None)
+    assert "it is not of cover.lp" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["cover.lp", "paper"], "INSTANCE: a file stands by itself; leave it out"),
+        (["cover.lp", "--param", "psi=1"], "--param: a file stands by itself; leave it out"),
+        (["cover.lp", "--option", "budget=1"], "--option: a file stands by itself; leave it out"),
+        (["cover.lp", "--start", "greedy"], "--start: a plan is no start for a file"),
+        (["none.lp"], "none.lp: no such file"),
+        (["cover.txt"], "no formulation 'cover.txt'"),
+        (["cluster_one_to_one"], "'cluster_one_to_one' is a formulation; give an instance, too"),
+        (["cover.lp", "--json", "cover.lp"], "cover.lp: would overwrite what is read"),
+    ],
+)
+def test_what_does_not_go_with_a_file_gets_one_line(
+    arguments: list[str],
+    message: str,
+    run: Run,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("cover.lp").write_text(COVER)
+    assert run("solve", *arguments) == 2
+    error = capsys.readouterr().err
+    assert (message in error, error.count("\n")) == (True, 1)
+    assert Path("cover.lp").read_text() == COVER

@@ -37,6 +37,22 @@ def cluster_data() -> ClusterData:
     return ClusterData(np.array([[4.0, 1.0], [2.0, 2.0]]), np.zeros((2, 2)), np.full(2, 2))
 
 
+def test_any_linear_problem_of_cvxpy_and_any_arrays_are_solved() -> None:
+    """3 x0 + 5 x1 with x0 + x1 of at least two: twice the first, within its bound."""
+    x, need = cp.Variable(2, integer=True, bounds=[0, 4], name="x"), cp.Parameter(name="need")
+    asked = cp.Problem(cp.Minimize(np.array([3.0, 5.0]) @ x), [cp.sum(x) >= need])
+    with pytest.raises(InputError, match="parameter need of the problem has no value"):
+        solve(asked)
+    need.value = 2
+    found = solve(asked, solver="scip")
+    assert (found.status, found.objective, found.check) == ("optimal", 6, "passed")
+    assert found.values["x"].tolist() == [2, 0]
+    assert (found.formulation, found.digest, found.parameters) == ("the cvxpy problem", "", {})
+    assert solve(program([[1.0, 1.0]], INF, [3.0, 5.0], row_lower=2.0, upper=4.0)).objective == 6
+    with pytest.raises(InputError, match="give a formulation, a file, a program or a cvxpy"):
+        solve(3)
+
+
 def knapsacks(sense: str = "max", offset: float = 0.0) -> Program:
     """Hard enough that a solver which is stopped early has not proven its incumbent."""
     random = np.random.RandomState(0)
