@@ -71,9 +71,9 @@ def asked(
     """A formulation, its data and its parameters; or a file alone."""
     from ..mission.errors import InputError
     from ..optimise import registry
-    from ..optimise.export import FORMATS
+    from ..optimise.export import is_program
 
-    if Path(model).suffix in FORMATS:
+    if is_program(model):
         for given, what in ((instance, "INSTANCE"), (parameters, "--param"), (options, "--option")):
             if given:
                 raise InputError("a file stands by itself; leave it out", field=what)

@@ -214,10 +214,10 @@ def diff(
 
 def _subject(what: Any, data: Any, parameters: Mapping[str, float]) -> Subject:
     from ..optimise import registry
-    from ..optimise.export import FORMATS
+    from ..optimise.export import is_program
     from ..optimise.registry import Formulation
 
-    if isinstance(what, str) and not what.endswith(tuple(FORMATS)):
+    if isinstance(what, str) and not is_program(what):
         what = registry.get(what)
     own = what.takes(**parameters) if isinstance(what, Formulation) else {}
     return subject(what, data, **own)

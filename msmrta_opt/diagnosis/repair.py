@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Floats
-from ..mission.counting import in_full
+from ..mission.counting import in_full, told_apart
 from ..mission.errors import CheckError, InputError, SolverError
 from ..optimise.program import Block, Program
 from ..optimise.solve import solve_program
@@ -54,9 +54,8 @@ class Relaxed:
         """For instance ``robot 2 has at most one cluster: ≤ 2 instead of ≤ 1``."""
         sign, moved = ("≥", self.side - self.by) if self.is_lower else ("≤", self.side + self.by)
         sign = "=" if self.is_equation else sign
-        digits = next((d for d in range(6, 17) if f"{moved:.{d}g}" != f"{self.side:.{d}g}"), 17)
-        now, side = in_full(moved, digits), in_full(self.side, digits)
-        return f"{self.name}: {sign} {now} instead of {sign} {side}"
+        new, old = told_apart(moved, self.side, digits=6)
+        return f"{self.name}: {sign} {new} instead of {sign} {old}"
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 LONGEST_IN_FULL = 1e15
 """Numbers from here on are told by their power of ten."""
+MAX_DIGITS = 17
+"""By which any two floats are told apart."""
 
 
 def counted(number: int, noun: str) -> str:
@@ -21,3 +23,11 @@ def in_full(value: float, digits: int = 9) -> str:
     if 1 <= abs(value) < LONGEST_IN_FULL:
         digits = max(digits, len(str(int(abs(value)))))
     return f"{value:.{digits}g}"
+
+
+def told_apart(*values: float, digits: int = 9) -> list[str]:
+    """`values` in so many digits, or in more where different ones would look the same."""
+    texts: list[str] = []
+    while len(set(texts)) < len(set(values)) and digits <= MAX_DIGITS:
+        texts, digits = [in_full(value, digits) for value in values], digits + 1
+    return texts

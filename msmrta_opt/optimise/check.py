@@ -26,6 +26,8 @@ TIGHT = 1e-9
 """Difference up to which a bound equals the objective, relative to it or to the unit of `scaling`."""
 WIDE = 1e7
 """Ratio of numbers in one row from which tolerances of solvers hide the smaller."""
+LARGE = 5e3
+"""Size of whole numbers from which cuts, worked out in floats, may cut off what is better."""
 PRECISION = 1e-14
 """Relative, of sums of some products of floats."""
 LARGEST_EXACT = 2.0**53
@@ -165,6 +167,15 @@ def is_badly_scaled(program: Program) -> bool:
     if costs.size:
         limits.append((costs.min(), costs.max()))
     return any(high > WIDE * low for low, high in limits)
+
+
+def has_large_integers(program: Program, x: Floats) -> bool:
+    """Whether integers may be so large that solvers' cuts are not to be relied on, or are so in `x`."""
+    ends = np.maximum(np.abs(program.lower), np.abs(program.upper))
+    size = np.where(np.isfinite(ends), ends, np.abs(x))[
+        program.integer & (program.lower < program.upper)
+    ]
+    return bool((size >= LARGE).any())
 
 
 def kinds_of_rows(program: Program) -> tuple[Bools, Bools]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..mission.errors import InputError
-from .formats.files import FORMATS as FORMATS
+from .formats.files import is_program as is_program
 from .formats.files import read_program as read_program
 from .formats.files import require_format as require_format
 from .formats.files import write_program as write_program

@@ -43,7 +43,7 @@ def settle(program: Program) -> Settled | None:
         return None
     if n_points == 0:
         return Settled(None, 0)
-    grid = np.indices(tuple(int(n) for n in widths)).reshape(program.n_columns, -1)
+    grid = np.indices(tuple(int(n) for n in widths)).reshape(program.n_columns, int(n_points))
     points = np.asarray(grid.T + np.ceil(program.lower), float)
     size = np.abs(points).max(axis=0)
     matrix = program.matrix.toarray()

@@ -25,6 +25,7 @@ from .ray import unbounded_along
 from .scaling import objective_size
 from .solution import Solution
 from .solvers import Options, Outcome, get
+from .solvers.base import refuse_infinite_costs
 from .solvers.outcomes import PROVEN
 from .structure import Structure, recognise
 from .subject import subject
@@ -125,6 +126,7 @@ def solve_program(
     """
     options = options or Options()
     began = time.perf_counter()
+    refuse_infinite_costs(program)
     program = program.with_whole_bounds()
     name = "highs" if solver == AUTO else solver
     wrong = contradiction(program)

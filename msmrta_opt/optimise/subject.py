@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..mission.errors import InputError
 from .compile import Compiled, compile_for, compile_formulation, parameter_values
 from .compile.canonical import UNLABELLED
-from .formats.files import FORMATS, read_program
+from .formats.files import is_program, read_program
 from .formulation import Spec
 from .program import Program
 from .registry import Formulation
@@ -78,7 +78,7 @@ def subject(what: Any, data: Any = None, **parameters: float) -> Subject:
     """
     if isinstance(what, Program):
         return Subject(what, "the program")
-    if isinstance(what, (str, Path)) and Path(what).suffix in FORMATS:
+    if isinstance(what, (str, Path)) and is_program(what):
         return Subject(read_program(what), Path(what).name)
     if isinstance(what, (str, Formulation)):
         compiled = compile_for(what, data)

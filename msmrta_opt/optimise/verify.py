@@ -1,8 +1,9 @@
 """What is believed of a solver's claim.
 
 Solvers certify falsehoods now and then. Few points are all looked at; an infeasibility needs Farkas
-multipliers or a second opinion. Of numbers of very different size an optimum is a claim, whoever agrees.
-What a checked point refutes is a contradiction, and is shown as one.
+multipliers or a second opinion, and so does an optimum of large whole numbers. Of coefficients of very
+different size it is a claim, whoever agrees. What a checked point refutes is a contradiction, and is
+shown as one.
 """
 
 from __future__ import annotations
@@ -15,19 +16,29 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Floats
+from ..mission.counting import told_apart
 from ..mission.errors import SolverError
 from .by_structure import BY_MATRIX
-from .check import Point, is_badly_scaled, proves_infeasible, settled
+from .check import (
+    TIGHT,
+    Point,
+    has_large_integers,
+    is_badly_scaled,
+    proves_infeasible,
+    settled,
+)
 from .contradiction import BY_HAND
 from .program import Program
 from .scaling import objective_size, scaled, scaling
 from .settle import Settled, settle
 from .solvers import Options, Outcome, get, solvers
 from .solvers.highs import infeasible_ray
+from .solvers.outcomes import PROVEN
 
 PROVED = ("optimal", "feasible", "infeasible", "claimed")
 """Statuses of which an outcome may say how they are proved."""
 VERY_DIFFERENT = "coefficients of very different size"
+LARGE_INTEGERS = "whole numbers so large that solvers' cuts are not to be relied on"
 
 
 @dataclass
@@ -77,14 +88,15 @@ class Verifier:
             return name, outcome
         if not self._holds(outcome.x):
             return self._another(name, outcome) if own else (name, outcome)
-        if outcome.duals is not None or not self._is_badly_scaled:
+        doubt = self._doubt(outcome.x)
+        if outcome.duals is not None or not doubt:
             return name, outcome
         if outcome.status == "feasible":
-            said = f"{outcome.message}; without its bound: {VERY_DIFFERENT}"
+            said = f"{outcome.message}; without its bound: {doubt}"
             return name, replace(outcome, bound=None, message=said)
         if own:
-            return self._compared(name, outcome)
-        return name, self._claimed(f"{name} alone", outcome)
+            return self._compared(name, outcome, doubt)
+        return name, _claimed(f"{name} alone", outcome, doubt)
 
     def _left(self) -> Options:
         left = self.options.time_limit
@@ -112,6 +124,12 @@ class Verifier:
     def _is_badly_scaled(self) -> bool:
         """Whether it is so as solvers get it."""
         return is_badly_scaled(scaled(self.tight, scaling(self.tight)))
+
+    def _doubt(self, x: Floats) -> str:
+        """Why an optimum at `x` is more than a solver can be relied on for; empty if it is not."""
+        if self._is_badly_scaled:
+            return VERY_DIFFERENT
+        return LARGE_INTEGERS if has_large_integers(self.program, x) else ""
 
     def _has_bounds(self) -> bool:
         """Whether the bounds alone keep the objective from being unbounded."""
@@ -239,30 +257,34 @@ class Verifier:
             return other, replace(second, status=status, message=said)
         return name, outcome
 
-    def _compared(self, name: str, outcome: Outcome) -> tuple[str, Outcome]:
-        """An optimum of numbers of very different size, with a second solver's opinion.
+    def _compared(self, name: str, outcome: Outcome, doubt: str) -> tuple[str, Outcome]:
+        """An optimum that there is `doubt` of, with a second solver's opinion.
 
-        Two may be wrong alike, so that it stays a claim.
+        Of very different coefficients two may be wrong alike, so that it stays a claim.
         """
         if outcome.x is None or outcome.bound is None:
             return name, outcome
         value, sign = self.program.value(settled(self.program, outcome.x)), self.program.sign
-        slack = 1e-6 * objective_size(self.program, value)
+        is_whole = self.program.integer[self.program.varying != 0].all()
+        slack = (TIGHT if is_whole else PROVEN) * objective_size(self.program, value)
         for other, second in self._second_opinions(name):
             if second.x is None or second.status != "optimal":
                 continue
             theirs = self.program.value(settled(self.program, second.x))
             if abs(theirs - value) <= slack:
-                return name, self._claimed(f"{name} and {other}", outcome)
-            said = f"{name} claims {value:g}, {other} {theirs:g}"
+                if doubt == LARGE_INTEGERS:
+                    return name, replace(outcome, proof=f"{outcome.proof}, and {other} agrees")
+                return name, _claimed(f"{name} and {other}", outcome, doubt)
+            mine, his = told_apart(value, theirs)
+            said = f"{name} claims {mine}, {other} {his}"
             if sign * (theirs - value) < 0:
                 return other, replace(second, status="claimed", message=said)
             return name, replace(outcome, status="claimed", message=said)
-        return name, self._claimed(f"{name} alone", outcome)
+        return name, _claimed(f"{name} alone", outcome, doubt)
 
-    def _claimed(self, who: str, outcome: Outcome) -> Outcome:
-        said = f"claimed by {who}: {VERY_DIFFERENT}"
-        return replace(outcome, status="claimed", message=said)
+
+def _claimed(who: str, outcome: Outcome, doubt: str) -> Outcome:
+    return replace(outcome, status="claimed", message=f"claimed by {who}: {doubt}")
 
 
 def _others(name: str, program: Program) -> list[str]:

@@ -94,6 +94,21 @@ class ExactProgram:
         """Whether the last variable stands for the objective's constant."""
         return bool(self.names) and self.names[-1] == CONSTANT
 
+    @property
+    def constant(self) -> Fraction:
+        """What no point changes of the objective, which is no part of any difference of values."""
+        pairs = zip(self.cost, self.lower, self.upper, strict=True)
+        fixed = (c * low for c, low, high in pairs if low is not None and low == high)
+        return sum(fixed, Fraction(0))
+
+    @property
+    def largest_cost(self) -> Fraction:
+        """The size of the largest cost of a variable that can vary."""
+        pairs = zip(self.cost, self.lower, self.upper, strict=True)
+        return max(
+            (abs(c) for c, low, high in pairs if low is None or low != high), default=Fraction(0)
+        )
+
     def value(self, point: Sequence[Rational]) -> Fraction:
         """The objective to be minimised at `point`."""
         return sum((c * v for c, v in zip(self.cost, point, strict=True) if c and v), Fraction(0))

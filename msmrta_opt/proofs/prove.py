@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..certify import vipr
+from ..mission.counting import told_apart
 from ..mission.errors import CheckError
 from ..mission.files import write_with
+from ..optimise.export import is_program
 from ..optimise.program import Program, Sense
 from ..optimise.registry import Formulation
 from ..optimise.solution import Solution
@@ -32,7 +34,10 @@ TIME_LIMIT = 600.0
 SIZE_LIMIT = 500e6
 """Bytes."""
 CLAIM_TOLERANCE = 1e-6
-"""Relative difference beyond which a proof contradicts a claim: solvers allow themselves as much."""
+"""Difference, relative to the objective without its constant, beyond which a proof contradicts a claim:
+solvers allow themselves as much."""
+ROUNDING = 1e-14
+"""Relative, of a claimed value: a sum of products of floats."""
 READING: dict[Numbers, str] = {
     "binary": "each number is the binary fraction that the program holds",
     "decimal": "each number is the decimal of the program's file",
@@ -59,6 +64,10 @@ class Proof:
     exact_bound: Fraction | None = field(default=None, repr=False)
     exact_point: tuple[Fraction, ...] | None = field(default=None, repr=False)
     """The solution, shape ``(n_columns,)``."""
+    constant: float = 0.0
+    """What no point changes of the objective: no part of any gap."""
+    step: float = math.inf
+    """Where all points have values that are multiples of it, apart from the constant; else infinite."""
     claimed_by: str = ""
     """Solver and version."""
     claimed_status: str = ""
@@ -147,7 +156,7 @@ def prove(
     if solution is None:
         options = Options(time_limit=time_limit)
         solution = solve_program(program, solver=solver, options=options)
-    is_file = name.endswith((".mps", ".lp"))
+    is_file = isinstance(what, (str, Path)) and is_program(what)
     values = "".join(f" {parameter}={value:g}" for parameter, value in asked.parameters.items())
     return prove_program(
         program, solution, path,
@@ -227,6 +236,8 @@ def prove_program(
             exact_value=None if prover.value is None else sign * prover.value,
             exact_bound=None if proved.bound is None else sign * proved.bound,
             exact_point=_point(prover, program.n_columns),
+            constant=float(sign * prover.program.constant),
+            step=math.inf if prover.grid is None else float(prover.grid.step),
             claimed_by=f"{claim.solver} {claim.solver_version}".strip(),
             claimed_status=claim.status,
             claimed_value=claim.objective,
@@ -241,7 +252,7 @@ def prove_program(
             check_seconds=time.perf_counter() - written,
             path=str(path),
         ),
-        scale=float(max((abs(c) for c in prover.program.cost), default=0)),
+        scale=float(prover.program.largest_cost),
     )
 
 
@@ -263,20 +274,31 @@ def _prover(
 
 def judged(proof: Proof, *, scale: float) -> Proof:
     """`proof` with its status worked out, and what it says of the claim; `scale` is of the costs."""
-    value = None if proof.exact_value is None else float(proof.exact_value)
-    bound = None if proof.exact_bound is None else float(proof.exact_bound)
-    near = TIGHT * max(scale, abs(value or 0.0), abs(bound or 0.0))
+    value, bound = proof.exact_value, proof.exact_bound
+    near = Fraction(TIGHT * max(scale, _size(proof, value, bound)))
     status = proof.status
     if status != "infeasible":
         if value is not None and bound is not None and abs(value - bound) <= near:
             status = "proved"
         elif value is not None or bound is not None:
             status = "partial"
-    known = replace(proof, status=status, value=value, bound=bound)
+    known = replace(
+        proof,
+        status=status,
+        value=None if value is None else float(value),
+        bound=None if bound is None else float(bound),
+    )
     if status == "proved" or (status == "infeasible" and not proof.rounded):
         known = replace(known, remark="")
     claim = Claimed(proof.claimed_status, proof.claimed_value)
     return replace(known, contradiction=contradiction(claim, known))
+
+
+def _size(proof: Proof, *values: float | Fraction | None) -> float:
+    """The largest of the `values` that are there, apart from the objective's constant."""
+    constant = Fraction(proof.constant)
+    sizes = (abs(float(Fraction(x) - constant)) for x in values if x is not None)
+    return max(sizes, default=0.0)
 
 
 @dataclass(frozen=True)
@@ -299,17 +321,18 @@ def contradiction(claim: Claimed | Solution, proof: Proof) -> str:
             return ""
         return f"it claims a solution of value {claimed:.9g}, and there is none"
     sign = 1 if proof.sense == "min" else -1
-    slack = CLAIM_TOLERANCE * max(abs(claimed), abs(value or 0.0), abs(bound or 0.0))
+    slack = min(CLAIM_TOLERANCE * _size(proof, claimed, value, bound), proof.step / 2)
+    slack = max(slack, ROUNDING * abs(claimed))
     if (
         claim.status in ("optimal", "claimed")
         and value is not None
         and sign * (claimed - value) > slack
     ):
-        return f"it claims that {claimed:.9g} is optimal, and {value:.9g} is feasible"
+        said, true = told_apart(claimed, value)
+        return f"it claims that {said} is optimal, and {true} is feasible"
     if bound is not None and proof.rounded and proof.claimed_value is not None:
         bound = sign * min(sign * bound, sign * proof.claimed_value)
     if bound is not None and sign * (bound - claimed) > slack:
-        return (
-            f"it claims a solution of value {claimed:.9g}, and no point is better than {bound:.9g}"
-        )
+        said, true = told_apart(claimed, bound)
+        return f"it claims a solution of value {said}, and no point is better than {true}"
     return ""

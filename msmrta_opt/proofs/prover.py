@@ -27,7 +27,7 @@ from .relaxation import Relaxation
 from .tree import FOUND, INTERRUPTED, NODES, Limits, Node, leaves
 
 TIGHT = 1e-9
-"""Difference, relative to the objective's terms, up to which a bound and a value are the same."""
+"""Difference, relative to the objective without its constant, up to which bound and value agree."""
 ROUNDING = 1e-9
 """Share of a row's terms by which a claimed solution may miss it in exact numbers, and no more is wrong
 with it than rounding."""
@@ -122,8 +122,8 @@ class Prover:
 
     def _below(self, value: Fraction) -> Fraction:
         """A bound that is as good as `value`."""
-        largest = max((abs(c) for c in self.program.cost), default=Fraction(0))
-        return value - max(abs(value), largest) * Fraction(TIGHT) / 2
+        size = max(abs(value - self.program.constant), self.program.largest_cost)
+        return value - size * Fraction(TIGHT) / 2
 
     def _exactly(self, x: Floats) -> Sequence[Rational] | None:
         """`x` in exact numbers, if that is feasible, maybe with other values of continuous columns."""
@@ -241,7 +241,8 @@ class Prover:
         if self.value is not None and minimum >= self.value:
             return Proved(root, False, self.value, self.value, None, remark)
         if self.grid is None:
-            derived = _short(minimum, minimum - abs(minimum) * Fraction(TIGHT) / 1024)
+            size = abs(minimum - self.program.constant)
+            derived = _short(minimum, minimum - size * Fraction(TIGHT) / 1024)
             return Proved(root, False, derived, derived, None, remark)
         below = self.grid.step * (self.grid.minimum(minimum) - 1) + self.grid.above
         derived = _short(minimum, below)

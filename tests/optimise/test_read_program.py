@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from msmrta_opt.mission.errors import InputError
-from msmrta_opt.optimise.export import read_program
+from msmrta_opt.optimise.export import read_program, write_program
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solve import solve_program
 
@@ -82,6 +82,10 @@ READ: dict[str, tuple[str, float]] = {
     "a range from above": (lp("x - y", "c: 0.5 >= x - y >= -1"), 0.5),
     "a row in lines": (lp(rows="c: x\n + y\n <=\n 3"), 3),
     "rows without names": (lp(rows="x + y <= 3\nx - y <= 2\n- x + y <= 0.5"), 3),
+    "rows without names beside R1 and R2": (
+        lp(rows="x + y <= 3\nR2: x <= 9\nx <= 8\nR1: y <= 7"),
+        3,
+    ),
     "rows in one line": (lp(rows="a: x + y <= 3 b: x - y <= 2"), 3),
     "a row behind a number": (lp(rows="x + y <= 3\n+ x - y <= -1.5"), 2.5),
     "<": (lp(rows="c: x + y < 3"), 3),
@@ -114,6 +118,22 @@ def test_an_lp_file_is_read_as_everybody_reads_it(name: str, tmp_path: Path) -> 
     text, best = READ[name]
     solution = solve_program(read(text, tmp_path / "program.lp"))
     assert solution.objective == pytest.approx(best)
+
+
+@pytest.mark.parametrize("suffix", [".LP", ".Lp", ".MPS"])
+def test_a_suffix_is_read_in_letters_of_any_case(suffix: str, tmp_path: Path) -> None:
+    text, best = (lp(), 3.0) if suffix.lower() == ".lp" else (mps(), 11.5)
+    path = tmp_path / f"program{suffix}"
+    assert solve_program(read(text, path)).objective == pytest.approx(best)
+    write_program(read(text, path), tmp_path / f"again{suffix}")
+    assert solve_program(read_program(tmp_path / f"again{suffix}")).objective == pytest.approx(best)
+
+
+def test_rows_without_names_are_numbered_past_those_that_have_them(tmp_path: Path) -> None:
+    found = read(
+        "max\n x\nst\n x <= 3\n R1: x <= 4\n R3: x <= 5\n x <= 6\nend\n", tmp_path / "a.lp"
+    )
+    assert [block.name for block in found.rows] == ["R2", "R1", "R3", "R4"]
 
 
 REFUSED: dict[str, tuple[str, str, str]] = {

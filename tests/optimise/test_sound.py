@@ -315,3 +315,89 @@ def test_what_a_fixed_column_costs_is_a_constant() -> None:
     assert (asked.constant, asked.varying.tolist()) == (1e9, [-3, -2, 0])
     found = solve_program(asked)
     assert (found.objective, found.offset) == (1e9 - 3, 1e9)
+
+
+LARGE_WHOLE: dict[str, tuple[Program, float]] = {
+    # The optimum is proved in exact numbers by a certificate; HiGHS' cuts lose the first three.
+    "costs up to 8": (
+        program(
+            [[0, 0, 5, 9, -8, 4, 0, -9, 4, 0, 8], [-8, -3, -5, 0, 0, 9, 3, 8, 0, 0, 2]],
+            [414827, 361698],
+            [-7, -3, -8, 6, 1, 8, -6, -8, -2, 2, -5],
+            row_lower=[414827, -INF],
+            upper=[8448, 15176, 64744, 21189, 6333, 45462, 5743, 4969, 17817, 23963, 57325],
+            sense="max",
+        ),
+        476086,
+    ),
+    "a row": (
+        program(
+            [[-7, 9, 0, 5, 0, 0, 5, 8]],
+            809625,
+            np.array([-5, 6, -4, -1, 2, -6, 2, 9]) * 1e4,
+            row_lower=809625,
+            upper=[1, 214024, 734876, 144583, 77918, 1, 1, 1],
+        ),
+        -30262840000,
+    ),
+    "costs of a million": (
+        program(
+            [
+                [-9, -3, 0, -3, 2, 2, -2, 9, 0, -2, 1, 0, 0],
+                [0, 0, 5, -4, -8, -2, 0, -1, -1, 0, -9, -7, 0],
+                [-7, -8, -6, 0, 0, 7, 3, -6, 4, 0, 0, 0, -6],
+            ],
+            [INF, 6337725, -7605765],
+            np.array([6, 2, -1, -5, 9, -7, 5, -6, -6, -8, -5, -1, -3]) + 1e6,
+            row_lower=[3633580, -INF, -7605765],
+            lower=-(ends := np.array([8075, 660824, 883804, 200864, 691763, 327069, 802263, 166102,
+                                      984689, 535746, 164072, 571266, 743210])),
+            upper=ends,
+            sense="max",
+        ),
+        4586909205499,
+    ),
+    # All say so: 3 x + 7 y = 30000 x's, at y = 0, x = 10000.
+    "no doubt": (program([[3, 7]], 30000, [2, 1], upper=INF, row_lower=30000, sense="max"), 20000),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LARGE_WHOLE)
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip", "glpk", "cpsat"])
+def test_of_large_whole_numbers_no_solver_is_believed_alone(name: str, solver: str) -> None:
+    asked, best = LARGE_WHOLE[name]
+    try:
+        found = solve_program(asked, solver=solver)
+    except UnsupportedError:
+        assert (name, solver) == ("no doubt", "cpsat")
+        return
+    if found.status in ("optimal", "feasible"):
+        assert found.objective == best
+        assert found.bound == best
+    if solver == "auto":
+        assert found.objective == best
+    else:
+        assert found.status in ("claimed", "error") or "dual values" in found.proof
+
+
+def test_a_second_solver_that_agrees_leaves_no_doubt_of_large_whole_numbers() -> None:
+    # 2 x + 4 y ≤ 59999, x + 3 y ≤ 40000: x = 29999, y = 0.
+    found = solve_program(program([[2, 4], [1, 3]], [59999, 40000], [3, 5], upper=INF, sense="max"))
+    assert (found.status, found.objective) == ("optimal", 3 * 29999)
+
+
+def test_a_program_without_variables_is_worth_its_constant() -> None:
+    nothing = program(np.zeros((1, 0)), 1, 0.0, row_lower=-1, upper=1, offset=4.5)
+    found = solve_program(nothing)
+    assert (found.status, found.objective) == ("optimal", 4.5)
+    impossible = program(np.zeros((1, 0)), 2, 0.0, row_lower=1, upper=1)
+    assert solve_program(impossible).status == "infeasible"
+
+
+@every
+@pytest.mark.parametrize("cost", [1e20, -1e30, 1e308])
+def test_a_cost_that_solvers_take_for_infinite_is_refused_by_its_variable(
+    solver: str, cost: float
+) -> None:
+    with pytest.raises(UnsupportedError, match=r"cost .* of 'x\[1\]'"):
+        solve_program(program([[1, 1]], 1, [1, cost], upper=3), solver=solver)

@@ -218,6 +218,36 @@ def test_a_limit_leaves_a_partial_bound_that_says_so(tmp_path: Path) -> None:
         vipr.verify(proof.path)
 
 
+@pytest.mark.parametrize("fixed", [False, True])
+@pytest.mark.parametrize("constant", [1e9, -1e12, 1e13])
+def test_a_constant_proves_nothing_and_excuses_no_claim(
+    tmp_path: Path, constant: float, fixed: bool
+) -> None:
+    """Whether it stands in the objective or is what a fixed variable costs."""
+    rng = np.random.default_rng(5)
+    rows = np.hstack([rng.integers(5, 60, (6, 40)), np.zeros((6, 1))])
+    cost = np.append(rng.integers(5, 60, 40), constant if fixed else 0.0)
+    lower = np.append(np.zeros(40), 1.0)
+    offset = 0.0 if fixed else constant
+    given = program(rows, [200] * 6, cost, lower=lower, offset=offset, sense="max")
+    nothing = claims("optimal", constant, np.append(np.zeros(40), 1).tolist())
+    proof = proved(given, tmp_path, nothing, time_limit=0.0)
+    assert proof.status == "partial"
+    assert proof.bound is None or proof.bound > constant + 100
+    assert proved(given, tmp_path, nothing).contradiction
+
+
+def test_a_claim_that_misses_the_optimum_by_a_step_is_convicted(tmp_path: Path) -> None:
+    # x + y ≤ 2,000,000 in whole numbers: 3 x + 2 y is at most 6,000,000 at x = 2,000,000.
+    given = program([[1, 1]], [2e6], [3, 2], upper=INF, sense="max")
+    assert not proved(given, tmp_path, claims("optimal", 6e6, [2e6, 0])).contradiction
+    false = proved(given, tmp_path, claims("optimal", 6e6 - 1, [2e6 - 1, 1]))
+    assert "5999999 is optimal" in false.contradiction
+    # Of continuous variables solvers allow themselves as much.
+    relaxed = replace(given, integer=np.zeros(2, dtype=bool))
+    assert not proved(relaxed, tmp_path, claims("optimal", 6e6 - 1, [2e6 - 1, 1])).contradiction
+
+
 def test_an_interrupt_leaves_what_is_proved_by_then(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -61,17 +61,22 @@ def read_program(path: str | Path) -> Program:
         raise error.within(path) from None
 
 
+def is_program(path: str | Path) -> bool:
+    """Whether `path` has the suffix of a program's file, in letters of any case."""
+    return Path(path).suffix.lower() in FORMATS
+
+
 def require_format(path: str | Path) -> str:
-    """The suffix of `path`, one of `FORMATS`.
+    """The suffix of `path` in small letters, one of `FORMATS`.
 
     Raises
     ------
     InputError
         If it is another.
     """
-    suffix = Path(path).suffix
-    if suffix not in FORMATS:
+    if not is_program(path):
         raise InputError(
-            f"unknown format {suffix!r}; the suffix is one of {', '.join(FORMATS)}", file=path
+            f"unknown format {Path(path).suffix!r}; the suffix is one of {', '.join(FORMATS)}",
+            file=path,
         )
-    return suffix
+    return Path(path).suffix.lower()

@@ -21,6 +21,7 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import count, pairwise
 from typing import NamedTuple
 
 from ...mission.errors import InputError, shown
@@ -305,9 +306,11 @@ def _read_objective(draft: Draft, tokens: _Tokens) -> None:
 
 
 def _read_rows(draft: Draft, tokens: _Tokens) -> None:
+    given = {a.text for a, b in pairwise(tokens.todo) if b.kind == "colon"}
     tokens.skip_lines()
     while token := tokens.next():
-        name = f"R{len(draft.rows) + 1}"
+        numbered = (f"R{number}" for number in count(len(draft.rows) + 1))
+        name = next(name for name in numbered if name not in given and name not in draft.rows)
         if tokens.kinds("name", "colon"):
             name = _name(tokens.take())
             tokens.take()

@@ -214,6 +214,15 @@ def refuse_dropped(name: str, program: Program, sent: Program) -> None:
     )
 
 
+def refuse_infinite_costs(program: Program) -> None:
+    """Refuse costs that solvers take for infinite, and values that would be beyond a float's range."""
+    for place in np.flatnonzero(np.abs(program.cost) >= INFINITE):
+        raise UnsupportedError(
+            f"no solver can do the cost {program.cost[place]:g} of"
+            f" '{program.column_name(int(place))}'; give less than {INFINITE:g}, in another unit"
+        )
+
+
 def _refuse_infinite(name: str, program: Program, sent: Program) -> None:
     """Refuse finite sides and bounds that solvers take for infinite."""
     for what, ends, of in (
