@@ -32,7 +32,11 @@ COMPILED = (
     "msmrta_opt.stages.random_swap",
 )
 INSTANCES = ROOT / "instances"
-LONG = ("test_readme.py", "test_notebooks.py", "test_packaging.py", "test_registry.py")
+LONG = (
+    "test_notebooks.py", "test_readme.py", "test_killed.py", "test_packaging.py",
+    "studies/test_compare.py", "test_cluster.py", "test_staging.py", "cli/test_screen.py",
+)  # fmt: skip
+"""Files whose tests are long, or wait, or share what takes long to make; the longest first."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -55,14 +59,18 @@ def pytest_xdist_auto_num_workers() -> int:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Begin each process' share with its part of the long tests: none is left over for the end."""
+    """Begin each process' share with whole files of long tests: none is left over for the end."""
     n_shares = getattr(config, "workerinput", {}).get("workercount", 1)
-    long = [item for item in items if item.path.name in LONG]
-    others = [item for item in items if item.path.name not in LONG]
+    files: dict[str, list[pytest.Item]] = {name: [] for name in LONG}
+    others: list[pytest.Item] = []
+    for item in items:
+        path = item.path.as_posix()
+        name = next((name for name in LONG if path.endswith(f"/{name}")), None)
+        (others if name is None else files[name]).append(item)
     ends = [len(items) * (i + 1) // n_shares for i in range(n_shares)]
     items.clear()
     for i, end in enumerate(ends):  # shares follow each other, all of a size
-        own = long[i::n_shares]
+        own = [item for name in LONG[i::n_shares] for item in files[name]]
         n_others = max(end - len(items) - len(own), 0) if end < ends[-1] else len(others)
         items += [*own, *others[:n_others]]
         del others[:n_others]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from support.studies import solved_here
 
 from msmrta_opt import cli, formulations
 
@@ -26,10 +27,11 @@ def commands(page: str) -> list[str]:
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(formulations, "__path__", [*formulations.__path__])
-    return tmp_path
+    with solved_here():
+        yield tmp_path
 
 
 def test_the_commands_and_the_python_of_solver_regression_work_in_their_order(here: Path) -> None:

@@ -73,32 +73,31 @@ TOUR = """
 import shlex, sys
 import msmrta_opt
 from msmrta_opt.cli import run
-for command in sys.argv[1:]:
-    print("$", command, flush=True)
-    if status := run(shlex.split(command)[1:]):
-        sys.exit(f"{command}: exit status {status}")
+for text in sys.argv[1:]:
+    print("$", text.splitlines()[0], flush=True)
+    if not text.startswith("msmrta "):
+        exec(text, {"__name__": "__main__"})
+    elif status := run(shlex.split(text)[1:]):
+        sys.exit(f"{text}: exit status {status}")
 print(msmrta_opt.__file__)
 """
-"""All commands in one process, which imports once what they stand on."""
+"""All commands and blocks of code in one process, which imports once what they stand on."""
 
 
-def test_the_commands_of_the_tour_work_in_their_order(workplace: Path) -> None:
-    arguments = shlex.join([sys.executable, "-c", TOUR, *MSMRTA])
-    output = run(f"PYTHONPATH=. {arguments}", workplace)
-    assert [line for line in output.splitlines() if line.startswith("$ ")] == [
-        f"$ {command}" for command in MSMRTA
-    ]
-    assert output.endswith(f"{workplace / 'msmrta_opt' / '__init__.py'}\n")  # the copied checkout
-
-
-def test_the_python_of_the_readme_works(workplace: Path) -> None:
+def test_the_commands_and_the_python_of_the_tour_work_in_their_order(workplace: Path) -> None:
     first, tour = blocks("python")
     assert len([line for line in first.splitlines() if line.strip()]) == 5
-    assert "1.0 " in run(f"{shlex.quote(sys.executable)} -c {shlex.quote(first)}", workplace)
+    arguments = shlex.join([sys.executable, "-c", TOUR, *MSMRTA, first, tour])
+    output = run(f"PYTHONPATH=. {arguments}", workplace)
+    assert [line for line in output.splitlines() if line.startswith("$ ")] == [
+        f"$ {text.splitlines()[0]}" for text in (*MSMRTA, first, tour)
+    ]
+    *_, shown_by_first, shown_by_tour = output.split("\n$ ")
+    assert "1.0 " in shown_by_first
     assert (workplace / "plan.png").is_file()
-    shown = run(f"{shlex.quote(sys.executable)} -c {shlex.quote(tour)}", workplace)
-    assert "PlanDifference(msmrta → ssi: " in shown
-    assert "Comparison(1 solve: 1 optimal)" in shown
+    assert "PlanDifference(msmrta → ssi: " in shown_by_tour
+    assert "Comparison(1 solve: 1 optimal)" in shown_by_tour
+    assert output.endswith(f"{workplace / 'msmrta_opt' / '__init__.py'}\n")  # the copied checkout
 
 
 def recipe(target: str) -> str:

@@ -15,6 +15,7 @@ from pathlib import Path
 import psutil
 import pytest
 from support.misbehaviour import write_models
+from support.studies import solved_here
 
 from msmrta_opt import cli, formulations
 from msmrta_opt.studies import comparison as study
@@ -25,7 +26,14 @@ Run = Callable[..., int]
 
 
 @pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, instances_dir: Path) -> Run:
+def run(run_apart: Run) -> Iterator[Run]:
+    """The same, with the solves in this process."""
+    with solved_here():
+        yield run_apart
+
+
+@pytest.fixture
+def run_apart(monkeypatch: pytest.MonkeyPatch, instances_dir: Path) -> Run:
     """Compare on two missions, on HiGHS unless told otherwise; returns the exit status."""
     monkeypatch.setattr(formulations, "__path__", [*formulations.__path__])
     missions = [instances_dir / "two_rooms.json", instances_dir / "paper.json"]
@@ -107,10 +115,10 @@ def test_structure_is_used_unless_told_otherwise(
 
 
 def test_a_folder_of_models_is_compared_by_itself_and_a_fault_leaves_the_rest_whole(
-    run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    run_apart: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = write_models(tmp_path / "own", "right", "wrong_syntax", "wrong_kill")
-    assert run("--models", folder, "--json", tmp_path / "rows.json") == 0
+    assert run_apart("--models", folder, "--json", tmp_path / "rows.json") == 0
     documents = json.loads((tmp_path / "rows.json").read_text())
     assert [(row["model"], row["status"]) for row in documents] == [
         ("right", "optimal"),
@@ -121,10 +129,10 @@ def test_a_folder_of_models_is_compared_by_itself_and_a_fault_leaves_the_rest_wh
 
 
 def test_no_solution_at_all_is_exit_status_1(
-    run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    run_apart: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = write_models(tmp_path / "own", "wrong_exit")
-    assert run("--models", folder) == 1
+    assert run_apart("--models", folder) == 1
     assert "agree" not in capsys.readouterr().out
 
 

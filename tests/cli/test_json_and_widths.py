@@ -17,12 +17,12 @@ from typing import Any
 
 import pytest
 from support.commands import commands
+from support.studies import solved_here
 
 from msmrta_opt import cli
 from msmrta_opt.cli import console, tables
 from msmrta_opt.mission.examples import example
 from msmrta_opt.planners import plan
-from msmrta_opt.studies import comparison, runner
 
 Run = Callable[..., int]
 Capture = pytest.CaptureFixture[str]
@@ -89,10 +89,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(autouse=True, scope="module")
 def here() -> Iterator[None]:
-    """Solves and runs are done in this process: quicker, and the tables are the same."""
-    with pytest.MonkeyPatch.context() as patch:
-        for module in (comparison, runner):
-            patch.setattr(module, "locally", lambda jobs=1: runner.here)
+    with solved_here():
         yield
 
 

@@ -6,6 +6,7 @@ from itertools import combinations
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 from support.legible import illegible
 
 from msmrta_opt import plots
@@ -84,6 +85,17 @@ def test_no_text_of_a_page_lies_outside_or_on_another(planned: Plan) -> None:
 
 
 @pytest.mark.slow
+def test_what_cannot_be_read_is_found() -> None:
+    """On 400 × 400 pixels: two words in one place, and one that leaves the page."""
+    figure = Figure(figsize=(4, 4), dpi=100)
+    for i in range(12):
+        figure.text(0.1, 0.05 + 0.07 * i, f"line {i}")
+    figure.text(0.5, 0.5, "under")
+    figure.text(0.52, 0.5, "over")
+    figure.text(0.98, 0.9, "far out")
+    assert illegible(figure) == ["'far out' is outside", "'under' is on 'over'"]
+
+
 def test_no_text_of_a_page_of_a_hundred_robots_lies_outside_or_on_another() -> None:
     assert illegible(make_plan(generated(100, 1000, 128)).plot()) == []
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from PIL import Image
 from support.browser import PROGRAM, WITHOUT, Browser
-from support.legible import illegible, overlap, written
+from support.legible import extents, illegible, overlaps, written
 from support.small_run import SCENARIO, small_plan, small_run
 
 from msmrta_opt.execution.execute import execute
@@ -130,9 +129,9 @@ def test_badges_of_robots_that_meet_in_a_film_lie_beside_each_other(run: Run) ->
     assert scene.named
     looks = [("R1 lost", "black", "white"), ("R3", "red", "white"), ("R12", "red", "white")]
     scene._badges(looks, [(0, 2), (0, 2), (0, 2.1)])
-    boxes = [box for said, box in written(figure) if said.startswith("R")]
+    boxes = extents(box for said, box in written(figure) if said.startswith("R"))
     assert len(boxes) == 3
-    assert not any(overlap(one, other) for one, other in combinations(boxes, 2))
+    assert overlaps(boxes, boxes).sum() == 3  # each with itself
 
 
 def test_rings_of_a_run_are_around_those_whom_it_did_not_serve(run: Run) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from support.studies import solved_here
 
 import msmrta_opt as mo
 from msmrta_opt import cli
@@ -18,6 +19,12 @@ from msmrta_opt.studies.solves import documents_of, record_of_row
 
 WHAT: dict[str, Any] = {"models": ["cluster_printed"], "solvers": ["auto", "highs"]}
 COMPARE = ["compare", "corridor", "--models", "cluster_printed", "--solvers", "auto,highs"]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def here() -> Iterator[None]:
+    with solved_here():
+        yield
 
 
 @pytest.fixture

@@ -89,18 +89,18 @@ def test_a_cluster_gives_the_same_rows_and_a_lost_worker_loses_nothing(
     tmp_path: Path, cluster: Cluster
 ) -> None:
     assert cluster.address.startswith("tcp://")
-    path = many_runs(tmp_path, 20)
+    path = many_runs(tmp_path, 10)
     study = Study.read(path)
     with Ledger(study.ledger) as ledger:
         results = run_study(study, runs(study), ledger, execute=on_cluster(cluster.address))
         for n, _ in enumerate(results):
-            if n == 4:
+            if n == 2:
                 cluster.processes[-1].kill()
     (tmp_path / "here").mkdir()
-    here = many_runs(tmp_path / "here", 20)
+    here = many_runs(tmp_path / "here", 10)
     do(here)
     assert unmeasured(kept(path)) == unmeasured(kept(here))
-    assert len(kept(path)) == 20
+    assert len(kept(path)) == 10
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://"])

@@ -111,38 +111,55 @@ def test_a_failure_is_a_row_with_its_error_and_the_rest_is_whole(tmp_path: Path)
     (tmp_path / "mine").mkdir()
     for name, how in {
         "crashes": "os.kill(os.getpid(), 9)",
-        "hangs": "time.sleep(600)",
         "raises": "raise ValueError('of no use')",
     }.items():
         (tmp_path / "mine" / f"{name}.py").write_text(BREAKS.format(how=how))
-    text = f"""
-    models = ["mine"]
-    {BOTH.replace("[2, 3]", "3").replace('"victim_none"', '"crashes", "hangs", "raises"')}
-    [limits]
-    seconds = 15
-    """.replace("    ", "")
-    path = write_study(tmp_path, text)
+    text = BOTH.replace("[2, 3]", "3").replace('"victim_none"', '"crashes", "raises"')
+    path = write_study(tmp_path, f'models = ["mine"]\n{text}')
     done = {record.contender.split(" by ")[0]: record for record in do(path, jobs=2)}
     assert {name: record.outcome for name, record in done.items()} == {
         "msmrta": "finished",
         "exact": "finished",
         "victim_one_to_one": "finished",
         "crashes": "crashed",
-        "hangs": "timed out",
         "raises": "raised",
     }
     assert done["crashes"].error == "killed by SIGKILL"
     assert "of no use" in done["raises"].error
-    assert (done["hangs"].error, done["hangs"].limit) == ("killed after 15 s", 15.0)
 
     study = Study.read(path)
     with Ledger(study.ledger) as ledger:
         assert pending(study, runs(study), ledger) == []
         again = pending(study, runs(study), ledger, retry=True)
-        assert {run.contender.split(" by ")[0] for run in again} == {"crashes", "hangs", "raises"}
-        more = Study.read(write_study(tmp_path, text.replace("seconds = 15", "seconds = 16")))
+        assert {run.contender.split(" by ")[0] for run in again} == {"crashes", "raises"}
+
+
+def test_a_run_beyond_its_time_is_killed_and_done_again_only_with_more(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "hangs.py").write_text(BREAKS.format(how="time.sleep(600)"))
+    text = """
+title = "Hangs"
+models = ["mine"]
+[[instances]]
+maps = "open.map"
+robots = 2
+victims = 3
+[[formulations]]
+stage = "victim"
+models = ["hangs"]
+[limits]
+seconds = 1
+"""
+    path = write_study(tmp_path, text)
+    (hung,) = do(path)
+    assert (hung.outcome, hung.error, hung.limit) == ("timed out", "killed after 1 s", 1.0)
+    study = Study.read(path)
+    more = Study.read(write_study(tmp_path, text.replace("seconds = 1", "seconds = 2")))
+    with Ledger(study.ledger) as ledger:
+        assert pending(study, runs(study), ledger) == []
+        (again,) = pending(study, runs(study), ledger, retry=True)
         (longer,) = pending(more, runs(more), ledger)
-        assert longer.contender == "hangs by auto"
+    assert again.contender == longer.contender == "hangs by auto"
 
 
 def test_a_failed_run_is_done_again_on_request(tmp_path: Path) -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import combinations
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,8 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
+
+from msmrta_opt.arrays import Bools, Floats
 
 
 def written(figure: Figure) -> list[tuple[str, Bbox]]:
@@ -46,26 +47,29 @@ def discs(figure: Figure) -> Iterator[Bbox]:
                     yield Bbox([corners.min(axis=0), corners.max(axis=0)])
 
 
-def overlap(one: Bbox, other: Bbox, slack: float = 1.0) -> bool:
-    """Whether boxes share more than `slack` pixels each way."""
-    both = Bbox.intersection(one, other)
-    return both is not None and both.width > slack and both.height > slack
+def overlaps(some: Floats, others: Floats, slack: float = 1.0) -> Bools:
+    """Which share more than `slack` pixels each way; of extents (n, 4) and (m, 4), which (n, m)."""
+    low = np.maximum(some[:, None, :2], others[None, :, :2])
+    high = np.minimum(some[:, None, 2:], others[None, :, 2:])
+    return np.all(high - low > slack, axis=2)
+
+
+def extents(boxes: Iterable[Bbox]) -> Floats:
+    """Left, bottom, right and top of each box, (n, 4)."""
+    return np.array([box.extents for box in boxes]).reshape(-1, 4)
 
 
 def illegible(figure: Figure) -> list[str]:
     """Texts that reach out of the figure or share ink with another text or a victim's disc."""
     texts = written(figure)
     assert len(texts) > 10, "there is hardly anything to read"
+    said, boxes = [said for said, _ in texts], extents(box for _, box in texts)
     page = figure.bbox
-    found = [
-        f"{said!r} is outside"
-        for said, box in texts
-        if box.x0 < page.x0 or box.y0 < page.y0 or box.x1 > page.x1 or box.y1 > page.y1
-    ]
-    pairs = combinations(texts, 2)
-    found += [f"{a!r} is on {b!r}" for (a, one), (b, other) in pairs if overlap(one, other)]
-    for disc in discs(figure):
-        on_it = [said for said, box in texts if overlap(box, disc)]
-        if len(on_it) > 1:  # its own number is one
-            found.append(f"on one disc are {on_it}")
+    is_outside = (boxes[:, :2] < page.min).any(axis=1) | (boxes[:, 2:] > page.max).any(axis=1)
+    found = [f"{said[i]!r} is outside" for i in np.flatnonzero(is_outside)]
+    pairs = np.argwhere(np.triu(overlaps(boxes, boxes), 1))
+    found += [f"{said[i]!r} is on {said[j]!r}" for i, j in pairs]
+    for on_it in overlaps(extents(discs(figure)), boxes):
+        if on_it.sum() > 1:  # its own number is one
+            found.append(f"on one disc are {[said[i] for i in np.flatnonzero(on_it)]}")
     return found

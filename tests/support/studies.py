@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import sys
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
+
+import pytest
 
 from msmrta_opt.isolation import Worker
 from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.maps import write_map
-from msmrta_opt.studies import runner
+from msmrta_opt.studies import comparison, runner
 from msmrta_opt.studies.ledger import Ledger
 from msmrta_opt.studies.record import Record
 from msmrta_opt.studies.runner import run_study
@@ -56,6 +59,15 @@ def kept(path: Path) -> list[Record]:
         return list(ledger.records())
 
 
+@contextmanager
+def solved_here() -> Iterator[None]:
+    """Solves and runs are done in this process: quicker, and what comes of them is the same."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (comparison, runner):
+            patch.setattr(module, "locally", lambda jobs=1: runner.here)
+        yield
+
+
 STOPPED = "stopped"
 """What a session says when it waits to be killed."""
 
@@ -97,8 +109,8 @@ if __name__ == "__main__":
     if len(sys.argv) > 2:
         what, how_many = sys.argv[2].split()
         stop_at(what, int(how_many))
-    # The planner that makes random plans needs none of the heavy libraries.
-    runner.preload = lambda: ("msmrta_opt.studies.perform",)
+    # The planner that makes random plans needs none of the heavy libraries but the one that compiles.
+    runner.preload = lambda: ("msmrta_opt.studies.perform", "msmrta_opt.mission.breadth_first")
     study = Study.read(sys.argv[1])
     with (
         Ledger(study.ledger) as ledger,

@@ -135,7 +135,9 @@ def candidates(
     seed: int = 0,
     staged: Mapping[str, Any] | None = None,
 ) -> list[Candidate]:
-    """Every planner's plan, the same improved by a second of search, and the exact planner's.
+    """Every planner's plan, the same improved by local search, and the exact planner's.
+
+    The search makes a fixed number of iterations: the same seed gives the same plans on any machine.
 
     Parameters
     ----------
@@ -154,7 +156,7 @@ def candidates(
     exact = make_plan(mission, planner="exact", objective=objective, time_limit=seconds, seed=seed)
     bound = exact.certificates[0].bound or 0.0
     plans: dict[str, Plan] = {}
-    improved: dict[str, Any] = {"improve": 1.0, "objective": objective}
+    improved: dict[str, Any] = {"improve": True, "objective": objective}
     for name in planners:
         for preset in ("paper", "authors") if name == "msmrta" else (None,):
             title = name if preset is None else f"{name}, {preset}"

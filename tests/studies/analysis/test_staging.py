@@ -69,6 +69,13 @@ def test_no_plan_is_better_than_the_bound_and_improving_never_hurts() -> None:
     assert found["exact"].gap == 0
 
 
+def test_a_plan_is_improved_by_as_much_on_any_machine(paper: Instance) -> None:
+    """By a number of iterations: what is compared is the plan that `improve=True` gives."""
+    found = {item.name: item for item in candidates(paper, "latency", seconds=0, seed=3)}
+    alone = plan(paper, planner="greedy", improve=True, objective="latency", seed=3)
+    assert found["greedy, improved"].value == alone.metrics.latency
+
+
 def test_the_command_prints_both_tables_and_draws(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
