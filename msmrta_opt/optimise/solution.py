@@ -65,6 +65,8 @@ class Solution:
     """The largest share of its terms by which a row is missed."""
     offset: float = 0.0
     """The constant of the objective, with what fixed variables cost: no part of any gap."""
+    unit: float = 0.0
+    """The smallest size of the objective that its data gives meaning to; see `scaling`."""
     canonicalise_seconds: float = 0.0
     solve_seconds: float = 0.0
     nodes: int | None = None
@@ -84,6 +86,12 @@ class Solution:
         difference = abs(self.objective - self.bound)
         size = abs(self.objective - self.offset) or max(abs(self.bound - self.offset), 1e-300)
         return difference / size if difference else 0.0
+
+    @property
+    def objective_size(self) -> float | None:
+        """What differences of the objective are relative to: its value without the constant."""
+        value = self.bound if self.objective is None else self.objective
+        return None if value is None else max(self.unit, abs(value - self.offset))
 
     @property
     def found(self) -> bool:

@@ -22,7 +22,7 @@ from .check import TIGHT, TOLERANCE, Point, dual_bound, settled, violations
 from .contradiction import BY_HAND, contradiction
 from .program import ROUNDING, Program
 from .ray import unbounded_along
-from .scaling import objective_size
+from .scaling import objective_size, scaling
 from .solution import Solution
 from .solvers import Options, Outcome, get
 from .solvers.base import refuse_infinite_costs
@@ -159,6 +159,7 @@ def solve_program(
         n_variables=program.n_columns,
         n_rows=program.n_rows,
         offset=program.constant,
+        unit=scaling(program).unit,
         blocks=(*program.columns, *program.rows),
     )
     if outcome.status == "unbounded":

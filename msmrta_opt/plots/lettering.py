@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache, wraps
 from itertools import takewhile
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
 from matplotlib.artist import Artist
@@ -13,6 +13,7 @@ from matplotlib.axis import Axis
 from matplotlib.font_manager import FontProperties, findfont, fontManager, get_font
 from matplotlib.text import Text
 from matplotlib.textpath import text_to_path
+from numpy.typing import ArrayLike
 
 Asked = ParamSpec("Asked")
 Drawn = TypeVar("Drawn", bound=Artist)
@@ -21,6 +22,7 @@ LONGEST_NAME, LONGEST_LINE = 40, 200
 """Characters of a name beside others, and of a line: more would push the rest off the page."""
 HINTED = 1.05
 """By how much a line may be wider on a screen's pixels than its letters are by themselves."""
+LAST_RESORT = "Last Resort"
 BOX = "\N{WHITE SQUARE}"
 """Stands for a character that no font here has."""
 
@@ -138,9 +140,18 @@ def _texts(artist: Artist) -> list[Text]:
     return [text for child in artist.get_children() for text in _texts(child)]
 
 
-def plain(name: str) -> str:
-    """`name` for a tick's label, which takes its text anew, as it was given, whenever it is drawn."""
-    return _escaped(_fonts_for(shortened(name), FontProperties())[1])
+def name_ticks(
+    axis: Axis, places: ArrayLike | range, names: Iterable[object], **style: Any
+) -> None:
+    """Put `names` at `places` along `axis`, as they are written.
+
+    Ticks take their texts anew, as they were given, whenever they are drawn.
+    """
+    found = [_fonts_for(shortened(str(name)), FontProperties()) for name in names]
+    more = dict.fromkeys(family for families, _ in found for family in families)
+    if more:
+        style["fontfamily"] = [*FontProperties().get_family(), *more]
+    axis.set_ticks(places, [_escaped(said) for _, said in found], **style)
 
 
 def _escaped(text: str) -> str:
@@ -182,7 +193,14 @@ def _letters(file: str) -> frozenset[int]:
 
 
 def _fonts() -> Iterable[tuple[str, str]]:
-    """Upright fonts, by family and file, in an order that is always the same."""
+    """Upright fonts, by family and file, in an order that is always the same.
+
+    Without matplotlib's own that has a box for every character: before others it would hide theirs.
+    """
     return sorted(
-        {(font.name, font.fname) for font in fontManager.ttflist if font.style == "normal"}
+        {
+            (font.name, font.fname)
+            for font in fontManager.ttflist
+            if font.style == "normal" and not font.name.startswith(LAST_RESORT)
+        }
     )

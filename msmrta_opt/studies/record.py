@@ -62,6 +62,8 @@ class Record:
     """``min`` or ``max``."""
     objective: float | None = None
     bound: float | None = None
+    objective_size: float | None = None
+    """What differences of these are relative to: the objective's value without its constant."""
     gap: float | None = None
     proof: str | None = None
     check: str | None = None

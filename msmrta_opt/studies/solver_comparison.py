@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..isolation import Failure, Limits, run_isolated
 from ..mission.errors import SolverError
 from ..optimise.program import Program
+from ..optimise.scaling import objective_size
 from ..optimise.solution import Solution
 from ..optimise.solve import AUTO, solve_program
 from ..optimise.solvers import Options, get, solvers
@@ -130,7 +131,7 @@ def _row(program: Program, name: str, found: Solution, best: float | None) -> di
     if found.status == "infeasible":
         agrees = best is None
     elif found.found and found.bound is not None and best is not None:
-        slack = AGREE * max(abs(best - program.offset), 1e-9)
+        slack = AGREE * objective_size(program, best)
         agrees = program.sign * (found.bound - best) <= slack
     return {
         "solver": name,

@@ -26,6 +26,7 @@ COLUMNS: Mapping[str, Callable[[Record], Any]] = MappingProxyType(
         "objective": lambda record: record.objective,
         "bound": lambda record: record.bound,
         "gap": lambda record: record.gap,
+        "objective_size": lambda record: record.objective_size,
         "check": lambda record: record.check or "",
         "proof": lambda record: record.proof or "",
         "message": lambda record: record.reason,
@@ -47,6 +48,7 @@ _PARTS = ("seed", "canonicalise_seconds", "solve_seconds")
 """Columns that are parts of a field."""
 _FROM_ZERO = (
     *("canonicalise_seconds", "solve_seconds", "total_seconds", "gap"),
+    "objective_size",
     *("seed", "nodes", "n_variables", "n_rows"),
 )
 """Columns of numbers that are 0 or more."""

@@ -34,7 +34,7 @@ CERTIFIED = (
     *("status", "sense", "objective", "bound", "gap", "proof"),
     *("n_variables", "n_rows"),
 )
-SOLVED = (*CERTIFIED, "check", "nodes", "solver_version")
+SOLVED = (*CERTIFIED, "objective_size", "check", "nodes", "solver_version")
 
 
 @dataclass(frozen=True)

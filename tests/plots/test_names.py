@@ -20,7 +20,7 @@ from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.plots import lettering
-from msmrta_opt.plots.lettering import BOX, shortened, told_apart
+from msmrta_opt.plots.lettering import BOX, name_ticks, shortened, told_apart
 from msmrta_opt.studies.analysis.profile import performance_profile
 from msmrta_opt.studies.analysis.staging import Loss
 from msmrta_opt.studies.analysis.staging_picture import staging_losses
@@ -160,6 +160,22 @@ def test_a_font_that_has_a_letter_is_used_for_it(monkeypatch: pytest.MonkeyPatch
     assert lettering._fonts_for("abü", FontProperties()) == (["More"], "abü")
     assert lettering._fonts_for("abüé", FontProperties()) == (["More"], f"abü{BOX}")
     assert lettering._fonts_for("ab", FontProperties()) == ((), "ab")
+
+
+def test_the_names_of_ticks_have_a_font_or_a_box_and_no_warning() -> None:
+    """The first is in DejaVu Sans Mono, which comes with matplotlib, and not in DejaVu Sans."""
+    figure = Figure()
+    ax = figure.add_subplot()
+    name_ticks(ax.yaxis, range(3), ["R\N{ARC}", "\N{CJK UNIFIED IDEOGRAPH-6551}", "a$b"])
+    figure.canvas.draw()
+    labels = ax.get_yticklabels()
+    assert len(labels[0].get_fontfamily()) > 1
+    assert labels[0].get_text() == "R\N{ARC}"
+    assert labels[1].get_text() in (BOX, "\N{CJK UNIFIED IDEOGRAPH-6551}")
+    assert labels[2].get_text() == r"a\$b"
+    assert not any(
+        family.startswith("Last") for label in labels for family in label.get_fontfamily()
+    )
 
 
 def test_names_that_differ_at_their_ends_stay_different_when_they_are_cut() -> None:

@@ -15,7 +15,7 @@ from ...optimise.program import Block, Program
 from ...optimise.structure import Structure, recognise
 from ...plots.figure import own_axes
 from ...plots.legends import legend_below
-from ...plots.lettering import as_written, plain, shortened, width_of
+from ...plots.lettering import as_written, name_ticks, shortened, width_of
 from ...plots.style import FAINT, INK, PALETTE, readable_on
 
 NAMED = 40
@@ -124,12 +124,12 @@ def _entries(program: Program) -> tuple[Ints, Ints, NDArray[np.float64]]:
 
 def _name_side(ax: Axes, blocks: Sequence[Block], n: int, names: Sequence[str], side: str) -> None:
     """Names of all places, or of blocks in their middle; lines between blocks."""
-    ticks = ax.set_yticks if side == "y" else ax.set_xticks
+    axis = ax.yaxis if side == "y" else ax.xaxis
     line = ax.axhline if side == "y" else ax.axvline
     for block in blocks[1:]:
         line(block.start - 0.5, color=INK, linewidth=0.7)
     if n <= NAMED:
-        ticks(range(n), [plain(name) for name in names])
+        name_ticks(axis, range(n), names)
         if side == "x":
             ax.tick_params(axis="x", rotation=90)
         for place in range(1, n):
@@ -142,7 +142,7 @@ def _name_side(ax: Axes, blocks: Sequence[Block], n: int, names: Sequence[str], 
         if all(abs(middle - _middle(other)) > n / (28 if side == "y" else 6) for other in kept):
             kept.append(block)
     said = [f"{shortened(block.words)} ({block.size})" for block in kept]
-    ticks([_middle(block) for block in kept], [plain(text) for text in said])
+    name_ticks(axis, [_middle(block) for block in kept], said)
 
 
 def _middle(block: Block) -> float:

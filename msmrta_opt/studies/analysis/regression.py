@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ...mission.counting import in_full
 from ...mission.errors import InputError, shown
 from ...mission.files import read_json, write_text
 from ...mission.validation import said_of
 from ..record import Record
 from ..solves import documents_of, record_of_row
-from .agreement import SMALLEST, TOLERANCE
+from .agreement import TOLERANCE, size_of
 
 FORMAT = "msmrta-comparison/1"
 SHORTEST_SECONDS = 0.1
@@ -128,8 +129,8 @@ def regression(
 ) -> Regression:
     """What is different in `after`.
 
-    A change is a status, an objective or a bound beyond `tolerance` (relative), a check, a solve that
-    is missing or new, and, if `slower` is given, a total time beyond that ratio.
+    A change is a status, an objective or a bound beyond `tolerance` (relative, without constants), a
+    check, a solve that is missing or new, and, if `slower` is given, a total time beyond that ratio.
     """
     old, new = ({row.solve: row for row in rows} for rows in (before, after))
     found = [
@@ -182,7 +183,7 @@ def _differences(old: Record, new: Record, tolerance: float) -> list[str]:
     for name in names:
         was, is_ = getattr(old, name), getattr(new, name)
         if (was is None) != (is_ is None) or (
-            was is not None and abs(was - is_) > tolerance * max(SMALLEST, abs(was))
+            was is not None and abs(was - is_) > tolerance * size_of(old, new)
         ):
             found.append(f"{name} {_number(is_)}, was {_number(was)}")
     return found
@@ -205,7 +206,7 @@ def _noted(old: Record, new: Record) -> list[str]:
 
 
 def _number(value: float | None) -> str:
-    return "none" if value is None else f"{value:.9g}"
+    return "none" if value is None else in_full(value)
 
 
 def _is_slower(old: Record, new: Record, ratio: float) -> bool:

@@ -16,7 +16,7 @@ from ...optimise.program import Block, Program
 from ...optimise.solution import Solution
 from ...plots.figure import own_axes
 from ...plots.legends import legend_below
-from ...plots.lettering import as_written, plain, shortened, width_of
+from ...plots.lettering import as_written, name_ticks, shortened, width_of
 from ...plots.style import FAINT, INK, SERIES, readable_on
 
 VALUED = 24
@@ -178,8 +178,8 @@ def _name(ax: Axes, block: Block, duals: tuple[Margin, Margin]) -> None:
     """Ids and nouns at the near sides, the margins of dual values at the far ones."""
     (rows, columns), (row_noun, column_noun) = block.ids, block.nouns
     every = [_every(len(ids)) for ids in (rows, columns)]
-    ax.set_yticks(every[0], [plain(str(rows[i])) for i in every[0]], fontsize=7.5)
-    ax.set_xticks(every[1], [plain(str(columns[i])) for i in every[1]], fontsize=7.5)
+    name_ticks(ax.yaxis, every[0], [rows[i] for i in every[0]], fontsize=7.5)
+    name_ticks(ax.xaxis, every[1], [columns[i] for i in every[1]], fontsize=7.5)
     if _turned(columns):
         ax.tick_params(axis="x", rotation=90)
     ax.set_ylabel(row_noun, fontsize=8)

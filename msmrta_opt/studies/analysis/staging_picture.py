@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from ...plots.figure import own_axes
 from ...plots.legends import legend_below
-from ...plots.lettering import as_written, plain
+from ...plots.lettering import as_written, name_ticks
 from ...plots.style import STEPS
 from .staging import Loss
 
@@ -45,7 +45,7 @@ def staging_losses(
             ax.barh(row, item.loss, left=left, color=colour, edgecolor="white", label=label)
             left += item.loss
         ax.text(left, row, f" {left:.1f}", va="center")
-    ax.set_yticks(range(len(priced)), [plain(name) for name in priced])
+    name_ticks(ax.yaxis, range(len(priced)), priced)
     ax.invert_yaxis()
     ax.set_xlabel(f"{objective.replace('_', ' ')} (time units)")
     ax.set_title("What each stage of the staged plan costs", fontsize=10)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ...plots.lettering import plain, told_apart
+from ...plots.lettering import name_ticks, told_apart
 from ...plots.style import INK, PALETTE
 from ..record import FINISHED
 from .blocks import Picture
@@ -38,9 +38,7 @@ def outcome_picture(runs: pd.DataFrame) -> Picture:
             edgecolor=PAPER, linewidth=0.5,
         )  # fmt: skip
         left += shares[name]
-    ax.set_yticks(
-        range(len(names)), [plain(name) for name in told_apart(names).values()], color=INK
-    )
+    name_ticks(ax.yaxis, range(len(names)), told_apart(names).values(), color=INK)
     ax.invert_yaxis()
     ax.set_xlim(0, 100)
     ax.set_xlabel("runs (%)")

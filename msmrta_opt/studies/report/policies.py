@@ -18,7 +18,7 @@ from scipy import stats
 
 from ...mission.metrics import METRICS
 from ...mission.run_metrics import RUN_METRICS
-from ...plots.lettering import plain, shortened, told_apart
+from ...plots.lettering import name_ticks, shortened, told_apart
 from ...plots.style import INK
 from ...routing.objectives import DEFAULT
 from .blocks import Block, Picture, Section, Table, Words
@@ -324,7 +324,7 @@ def served_picture(runs: pd.DataFrame) -> Picture:
     ax.hlines(places, data["from"], data["to"], color=INK, lw=4)
     ax.plot(data["mean"], places, "o", color=INK, ms=6)
     said = told_apart(data["contender"])
-    ax.set_yticks(places, [plain(said[name]) for name in data["contender"]], color=INK)
+    name_ticks(ax.yaxis, places, [said[name] for name in data["contender"]], color=INK)
     for place, scenario in zip(places[headings] - 1, data["scenario"].iloc[headings], strict=True):
         ax.text(
             -0.02, place, f"under {shortened(scenario)}", transform=ax.get_yaxis_transform(),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...plots.lettering import plain, told_apart
+from ...plots.lettering import shortened, told_apart
 from ...plots.style import FAINT, INK
 from .blocks import Block, Picture, Section, Table, Words
 from .pairs import CONFIDENCE, Comparison, Ratio, pairs_table
@@ -150,7 +150,7 @@ def quality_time(found: Comparison, looks: Mapping[str, Mapping[str, Any]]) -> P
     ax.set_xscale("log")
     _plain_times(ax, data["planning time (s)"])
     ax.set_xlabel("planning time (s)")
-    ax.set_ylabel(f"{plain(what)}, as a multiple of the best")
+    ax.set_ylabel(f"{shortened(what)}, as a multiple of the best")
     ax.margins(x=0.12, y=0.15)
     ax.set_title(f"{'Lower' if less else 'Higher'} left is better", fontsize=10, color=INK)
     add_legend(figure, ax)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from msmrta_opt.mission.errors import InputError
+from msmrta_opt.studies.analysis.agreement import disagreements
 from msmrta_opt.studies.analysis.regression import FORMAT, changes, read_baseline, save_baseline
 from msmrta_opt.studies.record import Record
 from msmrta_opt.studies.solves import documents_of, record_of_row
@@ -95,6 +97,28 @@ def test_a_change_is_found_in_any_unit_of_time(unit: float) -> None:
     old = now(objective=5 * unit, bound=5 * unit)
     assert changes([old], [old]) == []
     assert changes([old], [now(objective=5.1 * unit, bound=5 * unit)]) != []
+
+
+@pytest.mark.parametrize("unit", [1e-12, 1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("constant", [0.0, 1e9, -1e12])
+def test_a_change_is_found_beside_any_constant(unit: float, constant: float) -> None:
+    """A constant of 1e9 makes 176 and 300 alike to 1e-6 of both values."""
+    if unit < 1e-9 * abs(constant):
+        return  # which no float holds
+    old, same, other = (
+        now(objective=constant + x * unit, bound=constant + x * unit, objective_size=x * unit)
+        for x in (176, 176 + 1e-5, 300)
+    )
+    assert changes([old], [same]) == []
+    assert len(changes([old], [other])) == 2
+    claim = replace(other, solver="scip")
+    assert len(disagreements([old, claim])) == 1
+    assert disagreements([old, replace(same, solver="scip")]) == []
+
+
+def test_a_change_of_a_long_number_is_told_in_full() -> None:
+    old, new = (now(objective=x, bound=x, objective_size=1.0) for x in (1e9 + 176, 1e10 + 300))
+    assert changes([old], [new])[0] == f"{WHERE}objective 10000000300, was 1000000176"
 
 
 @pytest.mark.parametrize("field", ["objective", "bound", "gap", "total_seconds"])
