@@ -19,12 +19,11 @@ from __future__ import annotations
 import heapq
 import math
 import time as wall
-from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 
 from ..mission.grid import Cell
-from ..mission.instance import Instance, Victim
+from ..mission.instance import Victim
 from ..mission.plan import Plan
 from ..mission.run import (
     Change,
@@ -38,8 +37,9 @@ from ..mission.run import (
 )
 from ..mission.scenario import Scenario
 from .body import Body, bodies_of, visits_of
+from .deciding import give, look_ahead, state_of
 from .knowledge import Knowledge, happenings
-from .state import Blocked, Decide, Queues, RobotState, State, Task
+from .state import Blocked, Decide, Task
 
 
 class GivenUpError(Exception):
@@ -341,31 +341,14 @@ class Simulation:
     def _decide(self, now: float) -> None:
         news, self.news = tuple(self.news), []
         standing = [body for body in self.bodies if not body.lost]
-        mission = self.world.mission
-        under_way = {
-            (body.task.victim, kind)
-            for body in standing
-            if body.is_serving and body.task is not None
-            for kind in body.task.served[body.kind or 0 :]
-        }
-        left = {
-            v: tuple(kind for kind in kinds if (v, kind) not in under_way)
-            for v, kinds in self.world.unserved.items()
-        }
-        state = State(
-            time=now,
-            mission=mission,
-            grid=self.world.grid,
-            robots=tuple(self._state_of(body, mission, now) for body in standing),
-            open={v: kinds for v, kinds in left.items() if kinds},
-            news=news,
-        )
+        state = state_of(standing, self.world, now, news)
         began = wall.perf_counter()
         answer = self.decide(state)
         self.deciding_seconds += wall.perf_counter() - began
         before = [visits_of(body) for body in standing]
         if answer is not None:
-            self._apply(answer)
+            for robot, tasks in answer.items():
+                give(self.by_id[robot], tasks)
         after = [visits_of(body) for body in standing]
         if after != before:
             changed = sum(
@@ -378,35 +361,4 @@ class Simulation:
             self._tell(now, "decided")
         if self.blocked == "detour":
             for body in standing:
-                self._look_ahead(body)
-
-    def _state_of(self, body: Body, mission: Instance, now: float) -> RobotState:
-        cell, free_at = body.cell, now
-        busy, walked = body.served_for, len(body.cells) - 1
-        if body.into is not None and body.until is not None:
-            cell, free_at, walked = body.into, body.until, walked + 1
-        elif body.is_serving and body.task is not None:
-            victim = self.world.victims[body.task.victim or 0]
-            times = mission.service_time | victim.service_time
-            rest = sum(times[kind] for kind in body.task.served[body.kind or 0 :])
-            free_at = max(now, body.began + rest)
-            busy += free_at - body.began
-        busy += walked / body.speed
-        return RobotState(body.robot.id, cell, free_at, body.ahead(), busy, walked)
-
-    def _apply(self, answer: Queues) -> None:
-        for ident, tasks in answer.items():
-            body, queue = self.by_id[ident], deque(tasks)
-            if body.task is not None and not body.is_serving:
-                if queue and queue[0].victim == body.task.victim:
-                    body.task = queue.popleft()
-                else:
-                    body.task, body.leg = None, None
-            body.queue, body.stuck = queue, None
-
-    def _look_ahead(self, body: Body) -> None:
-        """Give up a walk that is known to be blocked further on, or found by the robot itself."""
-        if body.leg is None or body.task is None:
-            return
-        if not body.task.cells or not all(self.world.known[c] for c in body.leg[body.step + 1 :]):
-            body.task, body.leg = replace(body.task, cells=()), None
+                look_ahead(body, self.world)

@@ -23,8 +23,10 @@ from functools import partial
 
 from .derivation import Box, Lemma, Lemmas, Side, Uses
 from .exact import ExactProgram, Rational, Row
+from .numeric_rows import VariableBound
 from .rounding_choice import HALVINGS
-from .separation import WEIGHT_BITS, Found, VariableBound
+from .separation import WEIGHT_BITS
+from .summed_rows import Found
 
 SHORT = 16
 """Bits of a cut's coefficients beyond their size."""

@@ -13,7 +13,8 @@ from ..objectives import Objective
 from ..parameters import HeuristicsParameters
 from ..problem import Routes, RoutingData
 from ..stop import StoppingCriterion
-from .compiled_steps import COMPLETION, FINISH, TRAVEL, Problem, Settings, State, begin, steps
+from .compiled_state import COMPLETION, FINISH, TRAVEL, Problem, Settings, State
+from .compiled_steps import begin, steps
 
 BLOCK = 64
 """Steps at one temperature, between two looks at the clock."""
