@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import itertools
-import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import cvxpy as cp
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from numpy.typing import NDArray
-from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.sparse import csr_array
-from support.amounts import examples
+from support.conflicts import assert_explained
 from support.programs import INF, formulation, problem, program
 
 from msmrta_opt.diagnosis import conflict as module
@@ -24,154 +18,12 @@ from msmrta_opt.diagnosis.conflict import Conflict, find_conflict
 from msmrta_opt.mission.errors import InputError
 from msmrta_opt.optimise.data import ClusterData
 from msmrta_opt.optimise.formulation import Parameter
-from msmrta_opt.optimise.program import Block, Program
 from msmrta_opt.optimise.subject import subject
 
 
 def conflict_of(what: Any, data: Any = None, **parameters: float) -> Conflict:
     asked = subject(what, data, **parameters)
     return find_conflict(asked.program, name=asked.name)
-
-
-FAR = 6000.0
-"""A box that holds a point if there is one, for `programs`.
-
-Whatever of such a program is feasible has an integer point no farther from 0 than (n + 1) Δ, with Δ
-the largest subdeterminant of its inequalities with their right-hand sides (Schrijver, *Theory of
-Linear and Integer Programming*, 1986, theorem 17.1). With n = 3 and entries up to 3, Hadamard's
-inequality gives Δ ≤ (3 · 2)⁴ = 1296.
-"""
-
-
-@dataclass(frozen=True)
-class Part:
-    """Some rows and some sides of bounds of a program, as an explanation names them."""
-
-    rows: frozenset[int]
-    lower: frozenset[int]
-    upper: frozenset[int]
-
-    @classmethod
-    def named_by(cls, found: Conflict) -> Part:
-        """Read from names such as ``row 2``, ``x[1] ≤ 3``, ``0 ≤ x[1] ≤ 3`` and ``x[1] = 3``."""
-        lower, upper = set(), set()
-        for text in found.bounds:
-            match = re.fullmatch(r"(\S+ ≤ )?x\[(\d+)\]( [≤≥=] \S+)?", text)
-            assert match, text
-            minimum, column, other = match[1], int(match[2]), match[3] or ""
-            if minimum or "≥" in other or "=" in other:
-                lower.add(column)
-            if "≤" in other or "=" in other:
-                upper.add(column)
-        rows = frozenset(int(text.removeprefix("row ")) for text in found.rows)
-        return cls(rows, frozenset(lower), frozenset(upper))
-
-    def without_one(self) -> list[Part]:
-        """Every part that is this one without one member."""
-        return [
-            *(replace(self, rows=self.rows - {i}) for i in self.rows),
-            *(replace(self, lower=self.lower - {j}) for j in self.lower),
-            *(replace(self, upper=self.upper - {j}) for j in self.upper),
-        ]
-
-    def has_a_point(self, program: Program, *, whole: bool) -> bool:
-        """Whether some point, integer where the program asks for it, satisfies this part."""
-        lower, upper = np.full((2, program.n_columns), FAR)
-        lower = -lower
-        for j in self.lower:
-            lower[j] = program.lower[j]
-        for j in self.upper:
-            upper[j] = program.upper[j]
-        if (lower > upper).any():
-            return False
-        rows = sorted(self.rows)
-        answer = milp(
-            np.zeros(program.n_columns),
-            constraints=LinearConstraint(
-                program.matrix.toarray()[rows], program.row_lower[rows], program.row_upper[rows]
-            )
-            if rows
-            else None,
-            bounds=Bounds(lower, upper),
-            integrality=program.integer.astype(int) * whole,
-        )
-        assert answer.status in (0, 2), answer.message
-        return bool(answer.status == 0)
-
-
-def everything(program: Program) -> Part:
-    columns = range(program.n_columns)
-    return Part(
-        frozenset(range(program.n_rows)),
-        frozenset(j for j in columns if program.lower[j] > -INF),
-        frozenset(j for j in columns if program.upper[j] < INF),
-    )
-
-
-@st.composite
-def programs(draw: st.DrawFn, *, integer: bool) -> Program:
-    """Up to three variables and five rows, entries up to 3; most of them infeasible."""
-    n_columns, n_rows = draw(st.integers(1, 3)), draw(st.integers(1, 2 if integer else 5))
-
-    def vector(size: int, values: st.SearchStrategy[Any]) -> NDArray[Any]:
-        return np.array(draw(st.lists(values, min_size=size, max_size=size)))
-
-    # Even entries and odd right-hand sides, within wide bounds, conflict only in whole numbers.
-    entries = st.sampled_from([2, -2, 2, -2, 0, 1, 3]) if integer else st.integers(-3, 3)
-    right = vector(n_rows, st.sampled_from([1, -1, 3, 0]) if integer else st.integers(-3, 3))
-    low = vector(n_columns, st.integers(-2, 0 if integer else 1))
-    wide = vector(n_columns, st.integers(1, 3) if integer else st.integers(0, 2))
-    sides = vector(n_rows, st.sampled_from(["=", "=", "<", ">"]))
-    open_ = vector(n_columns, st.sampled_from(["", "", "low", "high"]))
-    return Program(
-        sense="min",
-        cost=np.ones(n_columns),
-        offset=0.0,
-        matrix=csr_array(
-            vector(n_rows * n_columns, entries).reshape(n_rows, n_columns).astype(float)
-        ),
-        row_lower=np.where(sides == "<", -INF, right).astype(float),
-        row_upper=np.where(sides == ">", INF, right).astype(float),
-        lower=np.where(open_ == "low", -INF, low).astype(float),
-        upper=np.where(open_ == "high", INF, low + wide).astype(float),
-        integer=np.full(n_columns, integer),
-        columns=(Block("x", 0, (n_columns,)),),
-        rows=(Block("row {i}", 0, (n_rows,)),),
-    )
-
-
-def assert_explained(program: Program, found: Conflict, *, irreducible: bool = True) -> None:
-    """What is found conflicts, by another program's word, and so does no part of it."""
-    assert found.status == "infeasible"
-    part = Part.named_by(found)
-    assert not part.has_a_point(program, whole=found.integrality)
-    assert found.irreducible or not irreducible
-    if irreducible:
-        for less in part.without_one():
-            assert less.has_a_point(program, whole=found.integrality), (found, less)
-
-
-@settings(max_examples=examples(80))
-@given(trial=programs(integer=False))
-def test_of_linear_programs_the_set_conflicts_and_no_member_can_be_spared(trial: Program) -> None:
-    feasible = everything(trial).has_a_point(trial, whole=False)
-    found = find_conflict(trial)
-    assert (found.status == "feasible") == feasible
-    if not feasible:
-        assert not found.integrality
-        assert_explained(trial, found)
-
-
-@settings(max_examples=examples(120))
-@given(trial=programs(integer=True))
-def test_of_integer_programs_the_set_conflicts_and_no_member_can_be_spared(trial: Program) -> None:
-    feasible = everything(trial).has_a_point(trial, whole=True)
-    found = find_conflict(trial)
-    assert (found.status == "feasible") == feasible
-    if not feasible:
-        in_fractions = everything(trial).has_a_point(trial, whole=False)
-        assert found.integrality == in_fractions
-        assert_explained(trial, found, irreducible=found.irreducible)
 
 
 def test_two_rows_that_conflict_are_found_among_many() -> None:
