@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -33,6 +35,8 @@ class _State:
 
 
 _now = _State()
+_left: list[threading.Thread] = []
+"""Work that did not end in time."""
 
 
 def interrupted() -> bool:
@@ -45,17 +49,52 @@ def listen_to_parent(asks: Callable[[], bool]) -> None:
     _now.of_parent = asks
 
 
-def until_interrupted(work: Callable[[], object], end: Callable[[], object]) -> None:
+def until_interrupted(
+    work: Callable[[], object], end: Callable[[], object], *, patience: float | None = None
+) -> bool:
     """Do `work` in a thread, and call `end` again and again once the user asks, until it ends.
 
     For libraries that look at nothing while they work, but can be told from beside.
+
+    Parameters
+    ----------
+    work, end : callable
+        What to do, and what makes it end.
+    patience : float, optional
+        Seconds from the user's wish on after which the work is left to itself; by default it is waited
+        for. What `end` tells it then is to be so in good time: the process ends only after it, or by
+        `leave`.
+
+    Returns
+    -------
+    bool
+        Whether it ended.
     """
-    working = threading.Thread(target=work, daemon=True)
-    working.start()
-    while working.is_alive():
-        working.join(POLL_SECONDS)
-        if interrupted() and working.is_alive():
-            end()
+    working = threading.Thread(target=work, daemon=patience is None)
+    asked: float | None = None
+    try:
+        working.start()
+        while working.is_alive():
+            working.join(POLL_SECONDS)
+            if interrupted() and working.is_alive():
+                end()
+                asked = asked or time.monotonic()
+                if patience is not None and time.monotonic() - asked > patience:
+                    _left.append(working)
+                    return False
+    except BaseException:
+        end()
+        raise
+    return True
+
+
+def leave(status: int) -> None:
+    """End the process at once if work that was left to itself still goes on."""
+    if any(thread.is_alive() for thread in _left):
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(AttributeError, OSError, ValueError):
+                stream.flush()
+        os._exit(status)
 
 
 def exit_status() -> int:

@@ -15,7 +15,14 @@ from pathlib import Path
 
 import pytest
 
-from msmrta_opt.interruption import command, exit_status, interrupted, interruptible
+from msmrta_opt.interruption import (
+    command,
+    exit_status,
+    interrupted,
+    interruptible,
+    leave,
+    until_interrupted,
+)
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signals")
 
@@ -126,3 +133,39 @@ def test_a_second_signal_ends_a_command_at_once(second: int, tmp_path: Path) -> 
     assert ended.returncode == -second
     assert ended.stdout == ""
     assert written.exists()
+
+
+def test_work_that_does_not_end_is_left_to_itself_and_the_process_does_not_wait_for_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ends: list[int] = []
+    monkeypatch.setattr(os, "_exit", ends.append)
+    goes_on, told = threading.Event(), threading.Event()
+    leave(3)
+    with interruptible():
+        assert until_interrupted(lambda: None, told.set, patience=0.0)
+        assert not told.is_set()
+        send()
+        assert not until_interrupted(goes_on.wait, told.set, patience=0.0)
+    assert told.is_set()
+    assert ends == []
+    leave(130)
+    assert ends == [130]
+    goes_on.set()
+    for thread in threading.enumerate():
+        if thread is not threading.main_thread() and not thread.daemon:
+            thread.join()
+    leave(130)
+    assert ends == [130]
+
+
+def test_work_is_told_to_end_where_ctrl_c_raises() -> None:
+    told = threading.Event()
+
+    def work() -> None:
+        send()
+        told.wait()
+
+    with pytest.raises(KeyboardInterrupt):
+        until_interrupted(work, told.set)
+    assert told.is_set()

@@ -85,7 +85,9 @@ def options(
 def main() -> None:
     """Run the command line and exit."""
     open_closed_descriptors()
-    sys.exit(run(sys.argv[1:]))
+    status = run(sys.argv[1:])
+    interruption.leave(status)
+    sys.exit(status)
 
 
 def run(arguments: list[str]) -> int:

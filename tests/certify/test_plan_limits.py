@@ -13,6 +13,7 @@ from support.edited_plans import Document, edited, visit
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.plan import Plan
 
+
 def under(**options: object) -> Callable[[Document], None]:
     return lambda document: document["options"].update(options)
 

@@ -19,7 +19,7 @@ from msmrta_opt.isolation import Worker
 from msmrta_opt.optimise.check import violations
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solve import solve_program
-from msmrta_opt.optimise.solvers import glpk
+from msmrta_opt.optimise.solvers import Options, glpk, highs
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +46,30 @@ def test_an_explanation_that_is_asked_to_end_ends(
 ) -> None:
     monkeypatch.setattr(interruption._now, "of_parent", lambda: True)
     assert find_conflict(endless).status == "unknown"
+
+
+@pytest.mark.parametrize("sense", ["min", "max"])
+@pytest.mark.parametrize("offset", [0.0, 1e6])
+def test_highs_that_does_not_end_leaves_its_incumbent_and_bound_behind(
+    sense: str, offset: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As if it were left the moment before it says that it is done."""
+    random = np.random.default_rng(2)
+    weights = random.integers(1, 1000, (5, 80))
+    worth = random.integers(1, 1000, 80) * (1 if sense == "max" else -1)
+    trial = program(weights, weights.sum(axis=1) // 2, worth, sense=sense, offset=offset)
+    right = highs.run(trial, Options(gap=0.02))
+    monkeypatch.setattr(
+        highs, "until_interrupted", lambda work, end, patience: bool(work()) and False
+    )
+    found = highs.run(trial, Options(gap=0.02))
+    assert (right.status, found.status, found.message) == ("optimal", "feasible", highs.LEFT)
+    assert found.x is not None
+    assert right.x is not None
+    assert violations(trial, found.x) == []
+    assert trial.value(found.x) == pytest.approx(trial.value(right.x))
+    assert found.bound is not None
+    assert trial.sign * (trial.value(found.x) - found.bound) >= 0
 
 
 def test_cpsat_ends_with_its_incumbent(endless: Program) -> None:

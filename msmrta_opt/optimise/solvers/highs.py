@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Floats
-from ...interruption import interrupted
+from ...interruption import interrupted, until_interrupted
 from ...mission.errors import SolverError
 from ..program import Program
 from .base import EVERY_ABILITY, Options, Outcome, Solver
@@ -22,6 +22,9 @@ SMALL = 60
 feasible ones infeasible, and is now and then caught in an endless loop, where it has little to gain."""
 WITHOUT_JUMPS = ("mip_heuristic_run_feasibility_jump", False)
 """This heuristic crashes on some programs that have integers without bounds."""
+PATIENCE = 0.5
+"""Seconds that HiGHS has to end once the user asks for it."""
+LEFT = "Interrupted"
 STRICTEST = 1e-10
 """The smallest tolerance for rows that HiGHS takes."""
 
@@ -48,11 +51,47 @@ def run(program: Program, options: Options) -> Outcome:
     if options.start is not None:
         known = np.flatnonzero(np.isfinite(options.start))
         highs.setSolution(len(known), known.astype(np.int32), options.start[known])
-    heed_interruption(highs)
-    highs.run()
+    if size > SMALL and whole.any():
+        left = _searched(highs, program)
+        if left is not None:
+            return left
+    else:
+        heed_interruption(highs)
+        highs.run()
     if highs.getModelStatus() == highspy.HighsModelStatus.kUnboundedOrInfeasible:
         return unbounded_or_infeasible(run, program, options, began)
     return _outcome(highspy, highs, program)
+
+
+def _searched(highs: Any, program: Program) -> Outcome | None:
+    """Run HiGHS' branch and bound; if the user asks to end and it does not, what it has by then.
+
+    It looks at nothing while a heuristic solves a part of the program, for half a minute at times.
+    """
+    found = Outcome("no_solution", nodes=0, proof="branch and bound", message=LEFT)
+    is_left = False
+
+    def note(event: Any, **more: Any) -> None:
+        nonlocal found
+        data = event.data_out
+        bound, nodes = _own_bound(program, data.mip_dual_bound), int(data.mip_node_count)
+        found = replace(found, bound=bound, nodes=nodes, **more)
+
+    def improving(event: Any) -> None:
+        note(event, status="feasible", x=np.array(event.data_out.mip_solution))
+
+    def look(event: Any) -> None:
+        note(event)
+        if interrupted() or is_left:
+            event.interrupt()
+
+    def end() -> None:
+        nonlocal is_left
+        is_left = True
+
+    highs.cbMipImprovingSolution += improving
+    highs.cbMipInterrupt += look
+    return None if until_interrupted(highs.run, end, patience=PATIENCE) else found
 
 
 def new_highs() -> Any:
