@@ -10,10 +10,12 @@ from __future__ import annotations
 import json
 import math
 import sys
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -185,8 +187,9 @@ def _width_for(texts: Iterable[str], lines: int) -> int:
     for text in texts:
         words = [cell_len(word) for word in text.split()]
         width = max([width, *words])
-        while _lines(words, width) > lines:
-            width += 1
+        if _lines(words, width) > lines:
+            wider = range(width + 1, sum(words) + len(words))
+            width = wider[bisect_left(wider, -lines, key=lambda w: -_lines(words, w))]
     return width
 
 
@@ -206,18 +209,46 @@ def _print_columns(
     numeric: Sequence[bool],
     widths: Sequence[int],
 ) -> None:
-    from rich.box import SIMPLE
-    from rich.table import Table
+    # A table of rich looks the same, and takes longer for thousands of rows than to plan them.
+    side, between, n = " ", " " * BETWEEN, len(columns)
+    whole = sum(widths) + BETWEEN * (n - 1)
+    empty, rule = side + " " * whole + side, side + "─" * whole + side
+
+    def lines_of(row: Sequence[str], *, is_head: bool = False) -> Iterator[str]:
+        broken = [_broken(value, width) for value, width in zip(row, widths, strict=True)]
+        if is_head:  # stands on the rule
+            most = max(map(len, broken))
+            broken = [[""] * (most - len(lines)) + lines for lines in broken]
+        for parts in zip_longest(*broken, fillvalue=""):
+            told = [
+                _padded(part, width, is_number)
+                for part, width, is_number in zip(parts, widths, numeric, strict=True)
+            ]
+            yield side + between.join(told) + side
+
+    say(empty)
+    head = "\n".join(lines_of(columns, is_head=True))
+    console().print(head, style="bold", markup=False, soft_wrap=True)
+    say("\n".join([rule, *(line for row in body for line in lines_of(row)), empty]))
+
+
+def _broken(text: str, width: int) -> list[str]:
+    """The lines of a text at a width, broken between words, and within those that are longer."""
+    from rich.cells import cell_len
+    from rich.control import strip_control_codes
     from rich.text import Text
 
-    raw = Table(box=SIMPLE, pad_edge=False)
-    for column, is_number, width in zip(columns, numeric, widths, strict=True):
-        raw.add_column(
-            column, justify="right" if is_number else "left", overflow="fold", width=width
-        )
-    for row in body:
-        raw.add_row(*(Text(value) for value in row))
-    console().print(raw)
+    text = strip_control_codes(text)
+    if cell_len(text) <= width and "\n" not in text and "\t" not in text:
+        return [text]
+    return [line.plain for line in Text(text).wrap(console(), width, overflow="fold")]
+
+
+def _padded(text: str, width: int, to_the_right: bool) -> str:
+    from rich.cells import cell_len
+
+    space = " " * (width - cell_len(text))
+    return space + text if to_the_right else text + space
 
 
 def _print_records(columns: Sequence[str], body: Sequence[Sequence[str]]) -> None:
@@ -236,7 +267,13 @@ def _print_records(columns: Sequence[str], body: Sequence[Sequence[str]]) -> Non
                 say(line)
                 line = INDENT
             line += (" " * BETWEEN if line.strip() else "") + told
-            while cell_len(line) > width and (end := line.rfind(" ", len(INDENT) + 1, width)) > 0:
+            while cell_len(line) > width:
+                first = len(line) - len(line.lstrip())
+                end = line.rfind(" ", first, width)
+                if end < 0:  # a word that is longer than the line
+                    end = line.find(" ", first)
+                if end < 0:
+                    break
                 say(line[:end])
                 line = 2 * INDENT + line[end:].lstrip()
         say(line)

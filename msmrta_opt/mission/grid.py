@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     import networkx as nx
 
 UNREACHABLE = float("inf")
+AT_ONCE = 128
+"""Searches between which Ctrl-C is heeded: compiled code does not look."""
 """The distance between cells that no walk joins."""
 
 
@@ -213,8 +215,8 @@ class DistanceTable:
 
     def __init__(self, grid: GridMap, places: Iterable[Cell] = ()) -> None:
         self.grid = grid
-        self._places = list(dict.fromkeys(places))
-        self._index = {cell: i for i, cell in enumerate(self._places)}
+        self._index = {cell: i for i, cell in enumerate(dict.fromkeys(places))}
+        self._places = np.array(list(self._index), dtype=np.int64).reshape(-1, 2)
         self._rows: dict[Cell, Int32s] = {}
         self._pairs: dict[tuple[Cell, Cell], float] = {}
 
@@ -247,9 +249,10 @@ class DistanceTable:
         except KeyError:
             return self.grid.between(sources, targets)
         new = [cell for cell in dict.fromkeys(sources) if cell not in self._rows]
-        if new:
-            found = self.grid.search.between(new, self._places)
-            self._rows.update(zip(new, found, strict=True))
+        for first in range(0, len(new), AT_ONCE):
+            some = new[first : first + AT_ONCE]
+            found = self.grid.search.between(some, self._places)
+            self._rows.update(zip(some, found, strict=True))
         rows = [self._rows[cell][columns] for cell in sources]
         return _distances(np.array(rows, np.int32).reshape(len(sources), len(columns)))
 

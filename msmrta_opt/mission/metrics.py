@@ -19,6 +19,8 @@ from .route import Route, Unserved
 Value = TypeVar("Value", int, float)
 Better = Literal["more", "less", "neither"]
 Place = Literal["plan", "plans", "report"]
+A_FEW = 10
+"""Robots up to which each is told of in a line."""
 EVERYWHERE: tuple[Place, ...] = ("plan", "plans", "report")
 CELLS, TIME, PERCENT = "cells", "time units", "%"
 
@@ -169,9 +171,7 @@ class Metrics:
         CELLS,
         better="less",
         heading="cells",
-        detail=lambda m: (
-            f"{m.distance} cells ({', '.join(f'{r}: {n}' for r, n in m.distance_of.items())})"
-        ),
+        detail=lambda m: f"{m.distance} cells{_each(m.distance_of)}",
     )
     def distance(self) -> int:
         """Cells walked by all robots."""
@@ -273,6 +273,13 @@ class Metrics:
     @cached_property
     def _priority(self) -> Mapping[int, float]:
         return {victim.id: victim.priority for victim in self.instance.victims}
+
+
+def _each(of_robot: Mapping[int, int]) -> str:
+    """The values of a few robots."""
+    if len(of_robot) > A_FEW:
+        return ""
+    return f" ({', '.join(f'{robot}: {value}' for robot, value in of_robot.items())})"
 
 
 METRICS: Mapping[str, Metric[Any]] = MappingProxyType(

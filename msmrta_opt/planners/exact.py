@@ -109,6 +109,8 @@ def run(
         analysis = requirement_analysis(known.P, known.Q)
         missing = missing_capabilities(known.Q, analysis.potential, situation.reach)
         data = routing_data(situation, **limits_of(options))
+    with watch("joint problem"):
+        first = first_routes(situation, data, aim, stop)
     # Until it is returned: a plan that is worked out is not lost to a late Ctrl-C.
     with interruptible():
         with watch("joint problem"):
@@ -116,7 +118,7 @@ def run(
             progress = Progress(
                 data,
                 aim,
-                first_routes(situation, data, aim, stop),
+                first,
                 stop=stop,
                 callbacks=recorder,
             )

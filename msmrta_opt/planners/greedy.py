@@ -34,6 +34,7 @@ def allocate(situation: Situation) -> list[Stop]:
     instance = situation.instance
     remaining = situation.available.copy()
     walk = situation.distances.between(instance.starts, instance.cells)
+    between = situation.distances.between(instance.cells, instance.cells)
     lowest = LowestBids(np.where(situation.able.any(axis=2), walk, np.inf))
     stops: list[Stop] = []
     while remaining.any():
@@ -42,8 +43,7 @@ def allocate(situation: Situation) -> list[Stop]:
         stops.append(Stop(robot, situation.cells[v], "greedy", v, kinds(served)))
         remaining[v] &= ~served
         lowest.withdraw(v, ~(situation.able[:, v] & remaining[v]).any(axis=1))
-        walks = situation.distances.between([situation.cells[v]], situation.cells)[0]
-        lowest.bid(robot, np.where(np.isfinite(lowest.bids[robot]), walks, np.inf))
+        lowest.bid(robot, np.where(np.isfinite(lowest.bids[robot]), between[v], np.inf))
     return stops
 
 

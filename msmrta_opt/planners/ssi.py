@@ -93,23 +93,32 @@ class _Insertions:
         lost = np.flatnonzero(self._place == at)
         self._place[self._place > at] += 1
         for place in (at, at + 1):
-            added = self._adds(place, slice(None))
+            added = self._adds(place)
             equal = (added == self._added) & (place < self._place)
             better = (added < self._added) | equal
             self._added[better], self._place[better] = added[better], place
         # Where the place that was best is none any more, all are looked at.
-        every = np.array([self._adds(place, lost) for place in range(len(self.route) + 1)])
-        self._place[lost] = every.argmin(axis=0)
-        self._added[lost] = every.min(axis=0)
+        if len(lost):
+            every = self._everywhere(lost)
+            self._place[lost] = every.argmin(axis=0)
+            self._added[lost] = every.min(axis=0)
 
-    def _adds(self, place: int, victims: NDArray[np.int64] | slice) -> NDArray[np.float64]:
-        """What `victims` add at a place of the route."""
+    def _adds(self, place: int) -> NDArray[np.float64]:
+        """What each victim adds at a place of the route, ``(n_victims,)``."""
         route, between = self.route, self._between
         before = between[route[place - 1]] if place else self._to_first
         if place == len(route):
-            return np.asarray(before[victims])
+            return before
         after = route[place]
-        return np.asarray(before[victims] + between[after][victims] - before[after])
+        return np.asarray(before + between[after] - before[after])
+
+    def _everywhere(self, victims: NDArray[np.int64]) -> NDArray[np.float64]:
+        """What `victims` add at each place of the route, ``(n_places, n_victims)``."""
+        route, between = np.array(self.route), self._between
+        ways = np.concatenate([self._to_first[None, victims], between[np.ix_(route, victims)]])
+        legs = np.append(self._to_first[route[0]], between[route[:-1], route[1:]])
+        ways[:-1] += ways[1:] - legs[:, None]
+        return ways
 
 
 PLANNER = Planner("ssi", "sequential single-item auctions (Koenig et al.)", run)

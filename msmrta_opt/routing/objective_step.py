@@ -9,13 +9,15 @@ from fractions import Fraction
 
 import numpy as np
 
-from ..arrays import Floats
+from ..arrays import Floats, Ints
 from ..mission.exact import exact, greatest_common_divisor
 from .objectives import Objective, objective_of
 from .problem import SUMS, RoutingData
 
 ROUNDING = 1e-6
 """Relative difference up to which values are the same, constants apart."""
+_ROWS = 64
+"""Of a table of lengths, looked at together."""
 _SMALLEST = 1e-7
 """A step is of no use that is a smaller share of the longest time: rounding hides it."""
 
@@ -72,15 +74,42 @@ def time_step(data: RoutingData, *, service: bool = True) -> float:
 
 
 def _ways(data: RoutingData) -> Iterator[Floats]:
-    """The times of the ways of each robot between victims, different ones."""
+    """Times of ways of each robot between victims, with the divisor and the maximum of all of them."""
     lengths: dict[tuple[int, bytes], Floats] = {}
+    unit = data.time_unit
+    longest = [
+        float(table.max(initial=0.0)) if _are_whole(table, unit) else None for table in data.length
+    ]
     for r, own in enumerate(data.can_visit):
         table = r if len(data.length) > 1 else 0
         if (table, own.tobytes()) not in lengths:
-            victims = np.flatnonzero(own)
-            ways = data.length[table][np.ix_(victims, victims)]
-            lengths[table, own.tobytes()] = np.unique(ways)
+            lengths[table, own.tobytes()] = _lengths(
+                data.length[table], np.flatnonzero(own), unit, longest[table]
+            )
         yield lengths[table, own.tobytes()] / data.speed[r]
+
+
+def _are_whole(table: Floats, unit: float) -> bool:
+    """Whether all lengths are whole numbers of cells, exactly."""
+    return all(
+        np.array_equal(cells, np.rint(cells)) and cells.max(initial=0.0) < 2**53
+        for cells in (row * unit for row in table)
+    )
+
+
+def _lengths(table: Floats, victims: Ints, unit: float, longest: float | None) -> Floats:
+    """Different lengths of ways between `victims`, with the divisor and the maximum of all of them.
+
+    Where all are whole and some have no divisor but 1, the others do not change it: of the millions of
+    ways of a large mission the first rows are enough. `longest` is then as good as their maximum.
+    """
+    found: Floats = np.zeros(0)
+    for first in range(0, len(victims), _ROWS):
+        some = table[np.ix_(victims[first : first + _ROWS], victims)]
+        found = np.union1d(found, some)
+        if longest is not None and np.gcd.reduce((found * unit).astype(np.int64)) == 1:
+            return np.append(found, longest)
+    return found
 
 
 def _divisor(numbers: Floats, unit: float) -> float:

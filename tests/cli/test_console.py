@@ -5,7 +5,10 @@ from __future__ import annotations
 from io import StringIO
 
 import pytest
+from rich.box import SIMPLE
 from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from msmrta_opt.cli import console
 
@@ -82,3 +85,60 @@ def test_texts_share_the_width_so_that_no_row_takes_more_lines_than_it_must(
     assert [line.split() for line in lines[3:]] == [
         ["row", "aaaa", "bbbb", "cccc", "ff", "gg", "hh", "ii"], ["dddd", "eeee", "jj", "kk"],
     ]  # fmt: skip
+
+
+WORDS = [
+    "a",
+    "水火 木",
+    "[1, 2]",
+    "",
+    " lead",
+    "trail ",
+    "tab\tbed",
+    "two\nlines",
+    "bell\x07",
+    "x" * 20,
+]
+
+
+@pytest.mark.parametrize("width", [60, 90, 10_000])
+def test_a_table_looks_as_one_of_rich(monkeypatch: pytest.MonkeyPatch, width: int) -> None:
+    columns = ["number", "水 of many words that are broken", "x" * 15]
+    rows = [[str(n), " ".join(WORDS[: n + 1]), WORDS[-n - 1]] for n in range(len(WORDS))]
+    numeric = [True, False, False]
+    text, oracle = StringIO(), StringIO()
+    ours = Console(file=text, width=width, highlight=False)
+    monkeypatch.setattr(console, "console", lambda: ours)
+    widths = console._widths(columns, rows, numeric)
+    assert widths is not None
+    console._print_columns(columns, rows, numeric, widths)
+    table = Table(box=SIMPLE, pad_edge=False)
+    for column, of_column, is_number in zip(columns, widths, numeric, strict=True):
+        side = "right" if is_number else "left"
+        table.add_column(column, justify=side, overflow="fold", width=of_column)  # type: ignore[arg-type]
+    for row in rows:
+        table.add_row(*map(Text, row))
+    Console(file=oracle, width=width, highlight=False).print(table)
+    assert text.getvalue() == oracle.getvalue()
+
+
+@pytest.mark.parametrize("width", [12, 20, 30])
+def test_a_word_that_is_longer_than_the_line_stands_in_one_of_its_own(
+    monkeypatch: pytest.MonkeyPatch, width: int
+) -> None:
+    text = StringIO()
+    narrow = Console(file=text, width=width, highlight=False)
+    monkeypatch.setattr(console, "console", lambda: narrow)
+    console.table("T", ["row", "what"], [("a", f"some {'x' * 50} words")])
+    lines = text.getvalue().splitlines()
+    assert len(lines) < 12
+    assert [line.strip() for line in lines if "xx" in line] == ["x" * 50]
+
+
+@pytest.mark.parametrize("lines", [1, 2, 3, 6])
+def test_a_text_of_thousands_of_ids_has_the_least_width_at_which_its_lines_suffice(
+    lines: int,
+) -> None:
+    """Words of one letter: n in a line take 2 n - 1 columns."""
+    each = -(-3000 // lines)
+    assert console._width_for(["v " * 3000], lines) == 2 * each - 1

@@ -218,7 +218,8 @@ class CountingSearch:
         self.engine, self.asked = engine, list[tuple[Cell, Cell]]()
 
     def between(self, sources: Sequence[Cell], targets: Sequence[Cell]) -> Int32s:
-        self.asked += product(sources, targets)
+        ends = ([(int(row), int(col)) for row, col in cells] for cells in (sources, targets))
+        self.asked += product(*ends)
         return self.engine.between(sources, targets)
 
     def lengths(self, starts: Sequence[Cell], goals: Sequence[Cell]) -> Int32s:
@@ -236,6 +237,15 @@ def test_each_distance_is_worked_out_once() -> None:
     assert sorted(grid.asked) == [
         ((0, 1), (0, 0)), ((0, 1), (2, 4)), ((2, 0), (1, 4)), ((2, 4), (0, 0)), ((2, 4), (2, 4)),
     ]  # fmt: skip
+
+
+def test_many_searches_are_made_in_parts_between_which_ctrl_c_is_heeded(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("msmrta_opt.mission.grid.AT_ONCE", 2)
+    places = [(0, 0), (0, 1), (2, 0), (2, 2), (2, 4)]
+    table = DistanceTable(DETOUR, places)
+    np.testing.assert_array_equal(table.between(places, places), DETOUR.between(places, places))
 
 
 def test_a_distance_known_from_either_end_will_do() -> None:

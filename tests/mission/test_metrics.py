@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from msmrta_opt.mission.instance import Instance
+from msmrta_opt.mission.metrics import METRICS
 from msmrta_opt.mission.plan import Plan, Reason, Route, Unserved
 
 BY_HAND = {
@@ -128,3 +130,9 @@ def test_priorities_of_zero_do_not_divide_by_zero(mission: Instance, plan: Plan)
         "latency": 0,
         "weighted_completion": 0,
     }
+
+
+def test_each_robots_distance_is_told_of_a_few_robots(plan: Plan) -> None:
+    assert METRICS["distance"].text(plan.metrics) == "9 cells (7: 6, 3: 3)"
+    many = dict.fromkeys(range(11), 1)
+    assert METRICS["distance"].text(SimpleNamespace(distance=11, distance_of=many)) == "11 cells"

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import random
+from itertools import pairwise
 
+import numpy as np
 import pytest
 
+from msmrta_opt.arrays import Floats
 from msmrta_opt.certify.plan import problems
 from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan, Reason
 from msmrta_opt.planners import plan, planners
+from msmrta_opt.planners.ssi import _Insertions
 
 BASELINES = ("greedy", "mrga", "random", "ssi")
 
@@ -129,6 +133,32 @@ def test_ssi_bids_the_service_alone_where_it_already_goes() -> None:
     """
     mission = corridor(7, {0: "AB", 6: "AB"}, (victim(0, 2, "AB"),))
     assert served(plan(mission, planner="ssi")) == {0: [(0, "AB")], 1: []}
+
+
+def test_ssi_keeps_the_cheapest_insertion_of_every_victim() -> None:
+    """Against looking at every place of the route anew; ties go to the first."""
+    random = np.random.default_rng(3)
+    for _ in range(20):
+        start, where = random.integers(0, 12, 2), random.integers(0, 12, (9, 2))
+        to_first = np.abs(where - start).sum(axis=1).astype(float)
+        between = np.abs(where[:, None] - where[None]).sum(axis=2).astype(float)
+        kept = _Insertions(to_first, between)
+        route: list[int] = []
+        for v in random.permutation(9).tolist():
+            added = [[_length([*route[:at], w, *route[at:]], to_first, between) for w in range(9)]
+                     for at in range(len(route) + 1)]  # fmt: skip
+            now = _length(route, to_first, between)
+            cheapest = np.min(added, axis=0) - now
+            cheapest[route] = 0.0
+            assert kept.cheapest().tolist() == cheapest.tolist()
+            route.insert(int(np.argmin(added, axis=0)[v]), v)
+            kept.insert(v)
+            assert kept.route == route
+
+
+def _length(route: list[int], to_first: Floats, between: Floats) -> float:
+    legs = sum(float(between[a, b]) for a, b in pairwise(route))
+    return legs + (float(to_first[route[0]]) if route else 0.0)
 
 
 def test_ssi_counts_time_and_not_cells() -> None:

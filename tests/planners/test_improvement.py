@@ -163,8 +163,7 @@ def test_ctrl_c_ends_the_improvement_with_the_best_plan_there_is(
 def test_an_improvement_that_is_interrupted_keeps_the_plan(
     paper: Instance, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Also where the distances of a large mission are not worked out yet."""
     monkeypatch.setattr("msmrta_opt.planners.support.improvement.interrupted", lambda: True)
     before = plan(paper, planner="greedy")
-    after = improve_plan(before, seconds=3600)
-    assert problems(after) == []
-    assert visits(after) == visits(before)
+    assert improve_plan(before, seconds=3600) is before

@@ -54,6 +54,21 @@ def test_the_step_of_an_objective_does_not_depend_on_the_unit(power: int, seed: 
         assert objective_step(convenient, objective).step * unit == there.step
 
 
+@pytest.mark.parametrize(
+    ("ordinary", "last", "step"), [(4, 6, 2), (4, 7, 1), (4, 4, 4), (1, 6.5, 0.5), (6, 10, 2)]
+)
+def test_the_step_is_that_of_the_last_way_too(ordinary: float, last: float, step: float) -> None:
+    """100 victims that are all as far apart, but for the last two; all start as far as that."""
+    length = np.full((100, 100), float(ordinary)) - ordinary * np.eye(100)
+    length[98, 99] = length[99, 98] = last
+    data = replace(
+        on_a_line([0], [0] * 100, [[[True]] * 100]),
+        leave=np.full((1, 100), float(ordinary)),
+        length=length[None],
+    )
+    assert objective_step(data, "total_time").step == step
+
+
 @pytest.mark.parametrize("objective", OBJECTIVES)
 def test_ordinary_missions_stay_as_they_are(objective: str) -> None:
     data = small_mission(1, 3, 5)

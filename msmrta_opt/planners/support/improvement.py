@@ -7,6 +7,7 @@ from typing import Any
 
 from ...interruption import interrupted, interruptible
 from ...mission.errors import InputError
+from ...mission.grid import AT_ONCE
 from ...mission.plan import Plan
 from ...routing.heuristics.ruin_and_recreate import ruin_and_recreate
 from ...routing.objectives import DEFAULT, objective_of
@@ -69,10 +70,14 @@ def improve_plan(
         return plan
     load(IMPROVING)
     watch = Stopwatch()
-    known = plan.known
+    known, routes = plan.known, routes_of(plan)
     with interruptible(), watch("improvement"):
         situation = Situation.of(known)
-        routes = routes_of(plan)
+        cells = situation.cells
+        for first in range(0, len(cells), AT_ONCE):
+            if interrupted():
+                return plan
+            situation.distances.between(cells[first : first + AT_ONCE], cells)
         data = in_convenient_units(routing_data(situation), aim, routes)
         limits: list[StoppingCriterion] = []
         if seconds is not None:
