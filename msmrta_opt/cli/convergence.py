@@ -31,8 +31,8 @@ def convergence(
     """Show incumbent and bound of exact plans over time, several in one picture."""
     from ..mission.convergence import Convergence
     from ..mission.plan import Plan
-    from .console import number, say, table, write_json, writing
-    from .outputs import check_outputs
+    from .console import number, say, table, write_json
+    from .outputs import check_outputs, write_picture
 
     check_outputs(json, figure=figure, inputs=plans)
     short = {file.stem for file in plans}
@@ -40,10 +40,7 @@ def convergence(
     found = Convergence({name: Plan.read(file) for name, file in zip(names, plans, strict=True)})
     write_json(json, {"searches": found.summary, "steps": found.rows}, what="searches")
     if figure is not None:
-        from ..plots import save_figure
-
-        with writing("picture", figure):
-            save_figure(found.plot(), figure)
+        write_picture(figure, found.plot)
     for name, search in found.searches.items():
         table(
             f"{name}: {search.objective} over time",

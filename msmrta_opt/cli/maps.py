@@ -49,8 +49,8 @@ def show_map(
     """
     from ..mission.map_files import is_floor, read_floor_map, read_map_file
     from ..mission.maps import write_map
-    from .console import say, table, write_json, writing
-    from .outputs import check_outputs
+    from .console import say, table, write_json
+    from .outputs import check_outputs, write_picture
 
     check_outputs(output, json, figure=figure, inputs=[file])
     options = _floor_options(cell_size, robot_radius, unknown, resolution)
@@ -103,10 +103,9 @@ def show_map(
         write_map(grid, output)
         say(f"map written to {output}")
     if figure is not None:
-        from ..plots import plot_floor, plot_map, save_figure
+        from ..plots import plot_floor, plot_map
 
-        with writing("picture", figure):
-            save_figure(plot_floor(made) if is_floor(file) else plot_map(grid), figure)
+        write_picture(figure, lambda: plot_floor(made) if is_floor(file) else plot_map(grid))
     table(f"Map {grid.name}", ["what", "value"], rows)
 
 

@@ -136,8 +136,8 @@ def scout(
     """Send out an instance's scouts, and print who found whom, and when."""
     from ..mission.instance import Instance
     from ..stages.scouting import scouting
-    from .console import say, table, write_json, writing
-    from .outputs import check_outputs
+    from .console import say, table, write_json
+    from .outputs import check_outputs, scouting_figure, write_picture
 
     check_outputs(json, figure=figure, inputs=[instance])
     mission = Instance.read(instance)
@@ -151,10 +151,7 @@ def scout(
     )
     write_json(json, report.model_dump(mode="json"), what="report")
     if figure is not None:
-        from .outputs import scouting_figure
-
-        with writing("picture", figure):
-            scouting_figure(mission, report, figure)
+        write_picture(figure, lambda: scouting_figure(mission, report))
     rows = [(find.victim, find.scout, find.step) for find in report.finds]
     table("Victims found", ["victim", "scout", "step"], rows)
     say(

@@ -33,8 +33,7 @@ def models(
     json: Json = None,
 ) -> None:
     """List the formulations, broken files included; on an instance also what each comes to there."""
-    from ..mission.errors import InputError
-    from ..mission.suggestions import meant
+    from ..mission.suggestions import none_of
     from ..optimise import registry
     from .console import say, table, write_json
     from .outputs import check_outputs
@@ -48,10 +47,7 @@ def models(
         mission = Instance.read(instance)
     known = {item.formulation.spec.stage for item in registry.listings() if item.formulation}
     if stage is not None and stage not in known:
-        raise InputError(
-            f"{stage!r}{meant(stage, known)}; give one of {', '.join(sorted(known))}",
-            field="--stage",
-        )
+        raise none_of(stage, sorted(known), "--stage")
     found = list(registry.listings(stage))
     columns = ["name", "stage", "what it is", "parameters"]
     values, given = values_of(parameters), named_values(options)
@@ -149,8 +145,8 @@ def show(
     """Print a formulation's mathematics; for an instance also its size, its structure and its data."""
     from ..mission.errors import InputError
     from ..optimise import registry
-    from .console import say, write_json, writing
-    from .outputs import check_outputs
+    from .console import say, write_json
+    from .outputs import check_outputs, write_picture
 
     check_outputs(json, figure=matrix, inputs=[instance])
     add_folders(folders)
@@ -176,14 +172,12 @@ def show(
     write_json(json, {**about, **({"program": facts} if facts else {})})
     if matrix is not None:
         from ..optimise.compile import compile_formulation
-        from ..plots import save_figure
         from ..studies.analysis.matrix_picture import plot_matrix
 
         program = compile_formulation(formulation, given).program(
             **numbers(formulation, parameters)
         )
-        with writing("picture", matrix):
-            save_figure(plot_matrix(program), matrix)
+        write_picture(matrix, lambda: plot_matrix(program))
     say(formulation.mathematics)
     say()
     for name, item in formulation.spec.parameters.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib.util
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +14,12 @@ from ..mission.shipped import find_instance
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ..mission.instance import Instance
     from ..mission.plan import Plan, ScoutingReport
+    from ..mission.run import Run
 
 
 def check_outputs(
@@ -99,18 +102,29 @@ def write_table(
 
 def write_plan(plan: Plan, json: Path | None, figure: Path | None) -> None:
     """Write a plan's document and its picture where they are asked for, and say so."""
+    write_document("plan", plan, json)
+    if figure is not None:
+        write_picture(figure, plan.plot)
+
+
+def write_document(what: str, made: Plan | Run, path: Path | None) -> None:
+    """Write the document of a plan or a run where it is asked for, and say so of a file."""
     from .console import STANDARD_OUTPUT, write_json, writing
 
-    if json == STANDARD_OUTPUT:
-        write_json(json, plan.document())
-    elif json is not None:
-        with writing("plan", json):
-            plan.save(json)
-    if figure is not None:
-        from ..plots import save_figure
+    if path == STANDARD_OUTPUT:
+        write_json(path, made.document())
+    elif path is not None:
+        with writing(what, path):
+            made.save(path)
 
-        with writing("picture", figure):
-            save_figure(plan.plot(), figure)
+
+def write_picture(path: Path, draw: Callable[[], Figure | Axes]) -> None:
+    """Write a picture, and say so."""
+    from ..plots import save_figure
+    from .console import writing
+
+    with writing("picture", path):
+        save_figure(draw(), path)
 
 
 KINDS = ("msmrta-instance", "msmrta-plan", "msmrta-run")
@@ -138,17 +152,17 @@ def document_format(path: Path) -> str:
     return str(written)
 
 
-def scouting_figure(instance: Instance, report: ScoutingReport, path: Path) -> None:
-    """Write the picture of a scouting: where the scouts went, and coverage over time."""
+def scouting_figure(instance: Instance, report: ScoutingReport) -> Figure:
+    """The picture of a scouting: where the scouts went, and coverage over time."""
     from matplotlib.figure import Figure
 
-    from ..plots import plot_coverage, plot_scouting, save_figure
+    from ..plots import plot_coverage, plot_scouting
 
     figure = Figure(figsize=(12, 6), layout="constrained")
     left, right = figure.subplots(1, 2)
     plot_scouting(instance, left, report=report)
     plot_coverage(report, ax=right)
-    save_figure(figure, path)
+    return figure
 
 
 def named_values(texts: Iterable[str] | None) -> dict[str, Any]:

@@ -24,8 +24,8 @@ def diff_plans(before: PlanFile, after: PlanFile, json: Json = None, figure: Fig
     from ..certify.same_mission import differences
     from ..mission.plan import Plan
     from ..mission.plan_difference import SERVED
-    from .console import say, table, write_json, writing
-    from .outputs import check_outputs
+    from .console import say, table, write_json
+    from .outputs import check_outputs, write_picture
 
     check_outputs(json, figure=figure, inputs=[before, after])
     first, second = Plan.read(before), Plan.read(after)
@@ -39,10 +39,7 @@ def diff_plans(before: PlanFile, after: PlanFile, json: Json = None, figure: Fig
     }
     write_json(json, document, what="difference")
     if figure is not None:
-        from ..plots import save_figure
-
-        with writing("picture", figure):
-            save_figure(found.plot(), figure)
+        write_picture(figure, found.plot)
     table(
         f"Metrics of {before} and {after}",
         ["metric", "before", "after", "difference"],

@@ -51,8 +51,8 @@ def compare_plans(
     from ..planners import plan as make_plan
     from ..studies.analysis.staging import candidates, price_of_staging
     from ..studies.missions import read_instances
-    from .console import write_json, writing
-    from .outputs import check_outputs
+    from .console import write_json
+    from .outputs import check_outputs, write_picture
 
     objective_of(objective)
     if not seconds >= 0:
@@ -79,11 +79,9 @@ def compare_plans(
         # Files first: whatever becomes of the screen, what was found is kept.
         write_json(json, _document(objective, compared, losses_of), what="comparison")
         if figure is not None and any(losses_of.values()):
-            from ..plots import save_figure
             from ..studies.analysis.staging_picture import staging_losses
 
-            with writing("picture", figure):
-                save_figure(staging_losses(losses_of, objective), figure)
+            write_picture(figure, lambda: staging_losses(losses_of, objective))
         for name, plans in compared.items():
             _show(name, objective, plans, losses_of.get(name, []))
         if interrupted():

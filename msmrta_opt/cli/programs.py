@@ -103,13 +103,11 @@ def _draw(
     path: Path,
 ) -> None:
     from ..optimise.subject import subject
-    from ..plots import save_figure
     from ..studies.analysis.solution_picture import plot_solution
-    from .console import writing
+    from .outputs import write_picture
 
     program = subject(what, data, **values).program
-    with writing("picture", path):
-        save_figure(plot_solution(program, solution), path)
+    write_picture(path, lambda: plot_solution(program, solution))
 
 
 def _start(

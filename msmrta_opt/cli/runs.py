@@ -79,8 +79,8 @@ def run(
     from ..mission.plan import Plan
     from ..mission.scenario import Scenario
     from ..routing.objectives import DEFAULT, objective_of
-    from .console import STANDARD_OUTPUT, say, write_json, writing
-    from .outputs import check_outputs, named_values
+    from .console import say
+    from .outputs import check_outputs, named_values, write_document, write_picture
 
     for name, number in {"--runs": runs, "--jobs": jobs}.items():
         if number < 1:
@@ -124,16 +124,9 @@ def run(
 
         best = hindsight(happened, objective=objective or DEFAULT, time_limit=regret)
         happened = happened.model_copy(update={"hindsight": best})
-    if json == STANDARD_OUTPUT:
-        write_json(json, happened.document())
-    elif json is not None:
-        with writing("run", json):
-            happened.save(json)
+    write_document("run", happened, json)
     if figure is not None:
-        from ..plots import save_figure
-
-        with writing("picture", figure):
-            save_figure(happened.plot(), figure)
+        write_picture(figure, happened.plot)
     _show(happened)
     if happened.hindsight is not None:
         say(f"Hindsight, for what was served: {happened.hindsight}.")

@@ -35,11 +35,6 @@ def show_certificates(plan: Plan) -> None:
     _times(plan)
 
 
-def show_metrics(plan: Plan) -> None:
-    """Print how good `plan` is."""
-    _metrics(plan)
-
-
 def _scouting(plan: Plan) -> None:
     report = plan.scouting
     if report is None:

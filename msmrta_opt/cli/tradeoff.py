@@ -53,7 +53,7 @@ def tradeoff(
     from ..mission.instance import Instance
     from ..studies.analysis import tradeoff as study
     from .console import say, write_json, writing
-    from .outputs import check_outputs
+    from .outputs import check_outputs, write_picture
 
     check_outputs(csv, json, explore, figure=figure, inputs=[instance])
     add_folders(folders)
@@ -82,12 +82,12 @@ def tradeoff(
             _write_csv(rows, csv)
         write_json(json, regions.document() if len(names) > 1 else result.document(), what="pieces")
         if figure is not None:
-            from ..plots import save_figure
             from ..studies.analysis.tradeoff_pages import regions_figure, tradeoff_figure
 
-            drawn = regions_figure(regions) if len(names) > 1 else tradeoff_figure(result)
-            with writing("picture", figure):
-                save_figure(drawn, figure)
+            write_picture(
+                figure,
+                lambda: regions_figure(regions) if len(names) > 1 else tradeoff_figure(result),
+            )
         if explore is not None:
             from ..studies.analysis.plan_space import PlanSpace
 

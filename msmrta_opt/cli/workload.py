@@ -24,16 +24,15 @@ def workload(
     """Show each robot's time of service and of travel."""
     from ..mission.plan import Plan
     from ..mission.plan_tables import robots
-    from .console import table, write_json, writing
-    from .outputs import check_outputs
+    from .console import table, write_json
+    from .outputs import check_outputs, write_picture
 
     check_outputs(json, figure=figure, inputs=[plan])
     made = Plan.read(plan)
     rows = robots(made)
     write_json(json, rows, what="workload")
     if figure is not None:
-        from ..plots import plot_workload, save_figure
+        from ..plots import plot_workload
 
-        with writing("picture", figure):
-            save_figure(plot_workload(made), figure)
+        write_picture(figure, lambda: plot_workload(made))
     table(f"Workload of {plan}", list(rows[0]), [tuple(row.values()) for row in rows])

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from .errors import InputError
 from .instance import Instance
 from .shipped import shipped_instances
-from .suggestions import meant
+from .suggestions import none_of
 
 
 def examples() -> list[str]:
@@ -28,7 +27,5 @@ def example(name: str = "paper") -> Instance:
     """
     shipped = shipped_instances()
     if name not in shipped:
-        raise InputError(
-            f"{name!r}{meant(name, shipped)}; give one of {', '.join(shipped)}", field="example"
-        )
+        raise none_of(name, shipped, "example")
     return Instance.read(shipped[name])

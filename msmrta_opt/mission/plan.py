@@ -30,7 +30,7 @@ from .route import Reason as Reason
 from .route import Route as Route
 from .route import Unserved as Unserved
 from .route import Visit as Visit
-from .suggestions import meant
+from .suggestions import none_of
 from .validation import read_model
 
 if TYPE_CHECKING:
@@ -220,9 +220,7 @@ class Plan(PlanRecord):
         import pandas as pd
 
         if what not in TABLES:
-            raise InputError(
-                f"{what!r}{meant(what, TABLES)}; give one of {', '.join(TABLES)}", field="what"
-            )
+            raise none_of(what, TABLES, "what")
         columns = VISIT_COLUMNS if what == "visits" else None  # there may be no visit
         return pd.DataFrame(TABLES[what](self), columns=columns)
 

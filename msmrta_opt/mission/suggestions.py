@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
+
+from .errors import InputError
 
 
 def meant(name: object, known: Iterable[str], shown: Mapping[str, str] | None = None) -> str:
@@ -16,6 +18,12 @@ def meant(name: object, known: Iterable[str], shown: Mapping[str, str] | None = 
     cutoff = 0.66 if len(given) <= 4 else 0.7  # one wrong letter of three counts
     near = difflib.get_close_matches(given, plain, n=1, cutoff=cutoff)
     return f" (did you mean {plain[near[0]]!r}?)" if near else ""
+
+
+def none_of(name: object, known: Collection[str], field: str = "") -> InputError:
+    """That `name` is none of those that are `known`, one of which is to be given."""
+    problem = f"{name!r}{meant(name, known)}; give one of {', '.join(known)}"
+    return InputError(problem, field=field)
 
 
 def _plain(name: str) -> str:

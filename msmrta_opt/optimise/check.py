@@ -114,9 +114,14 @@ def _share(program: Program, x: Floats, missed: Floats) -> float:
     """The largest share of its terms by which a row is missed at `x`; 0 if none is."""
     if (missed <= 0).all():
         return 0.0
-    terms = np.abs(program.matrix) @ np.abs(x)
+    terms = _terms(program, x)
     share = np.divide(missed, terms, out=np.ones_like(missed), where=terms > 0)
     return float(share[missed > 0].max(initial=0.0))
+
+
+def _terms(program: Program, x: Floats) -> Floats:
+    """The sizes of each row's terms, added up."""
+    return np.asarray(np.abs(program.matrix) @ np.abs(x))
 
 
 def row_misses(program: Program, x: Floats) -> tuple[Floats, Floats]:
@@ -129,16 +134,11 @@ def row_misses(program: Program, x: Floats) -> tuple[Floats, Floats]:
     whole, decimal = kinds_of_rows(program)
     matrix = program.matrix
     rows = np.repeat(np.arange(program.n_rows), np.diff(matrix.indptr))
-    size = np.abs(matrix.data)
-    each = size * np.abs(x[matrix.indices])
-    is_continuous = ~program.integer[matrix.indices]
-    terms, continuous = (
-        np.bincount(rows, each * chosen, program.n_rows) for chosen in (1.0, is_continuous)
-    )
+    terms, continuous = _terms(program, x), _terms(program, np.where(program.integer, 0.0, x))
     sides = _largest_end(program.row_lower, program.row_upper)
     # Where a column is scaled by much, the unit of its rows may be larger than all that is in them.
     largest = np.zeros(program.n_rows)
-    np.fmax.at(largest, rows, size * is_continuous)
+    np.fmax.at(largest, rows, np.abs(matrix.data) * ~program.integer[matrix.indices])
     unit = np.minimum(1.0 / scaling(program).row, largest)
     allowed = ROUNDING * np.maximum(terms, sides)
     allowed = np.where(decimal, allowed, TOLERANCE * (unit + continuous) + allowed)

@@ -24,6 +24,10 @@ TIGHTENED_FROM = 1e4
 """Size of a coefficient from which it is looked at as a big M."""
 ROUNDING = 1e-12
 """How far a row may be missed by the rounding of its own decimals, relative to its terms."""
+SMALLEST, LARGEST = 1e-9, 1e15
+"""Coefficients of rows lie between these, exclusive: solvers drop the others or refuse them."""
+INFINITE = 1e20
+"""Costs, sides of rows and bounds of this size are infinite to solvers, and to all readers but GLPK."""
 Sense = Literal["min", "max"]
 
 

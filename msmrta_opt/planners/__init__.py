@@ -21,7 +21,7 @@ from ..certify.plan import check_plan
 from ..mission.errors import InputError
 from ..mission.instance import Instance, require_mission
 from ..mission.plan import Plan
-from ..mission.suggestions import meant
+from ..mission.suggestions import meant, none_of
 from ..routing.objectives import DEFAULT, objective_of
 from ..routing.parameters import Parameters
 from .support.improvement import improve_plan
@@ -109,9 +109,7 @@ def check_options(planner: str, options: Mapping[str, Any]) -> None:
     """
     known = planners()
     if planner not in known:
-        raise InputError(
-            f"{planner!r}{meant(planner, known)}; give one of {', '.join(known)}", field="planner"
-        )
+        raise none_of(planner, known, "planner")
     chosen = known[planner]
     takes = chosen.options
     own = {k: x for k, x in options.items() if k not in ("improve", *OF_SEARCH, "callbacks")}

@@ -90,11 +90,6 @@ class ExactProgram:
         return len(self.names)
 
     @property
-    def has_constant(self) -> bool:
-        """Whether the last variable stands for the objective's constant."""
-        return bool(self.names) and self.names[-1] == CONSTANT
-
-    @property
     def constant(self) -> Fraction:
         """What no point changes of the objective, which is no part of any difference of values."""
         pairs = zip(self.cost, self.lower, self.upper, strict=True)

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..mission.errors import InputError
-from ..mission.suggestions import meant
+from ..mission.suggestions import none_of
 
 if TYPE_CHECKING:  # the command line reads this table, and is to start without numpy
     from ..mission.metrics import Metrics
@@ -95,10 +95,7 @@ def objective_of(name: object) -> Objective:
     if isinstance(name, Objective):
         return name
     if not isinstance(name, str) or name not in OBJECTIVES:
-        raise InputError(
-            f"{name!r}{meant(name, OBJECTIVES)}; give one of {', '.join(OBJECTIVES)}",
-            field="objective",
-        )
+        raise none_of(name, OBJECTIVES, "objective")
     return OBJECTIVES[name]
 
 

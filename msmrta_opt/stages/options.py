@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mission.errors import InputError, ModelError
-from ..mission.suggestions import meant
+from ..mission.suggestions import meant, none_of
 from ..optimise import registry
 
 Weights = Literal["text", "authors"]
@@ -121,10 +121,7 @@ class StagedOptions:
             If the preset or an option is unknown, or a value is out of range.
         """
         if preset not in PRESETS:
-            raise InputError(
-                f"{preset!r}{meant(preset, PRESETS)}; give one of {', '.join(PRESETS)}",
-                field="preset",
-            )
+            raise none_of(preset, PRESETS, "preset")
         known = [item.name for item in fields(cls) if item.name != "params"]
         own = {name: value for name, value in changes.items() if name in known}
         options = cls(**{**PRESETS[preset], **own})

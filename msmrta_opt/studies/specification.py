@@ -25,7 +25,7 @@ from pydantic import (
 from ..mission.errors import InputError
 from ..mission.files import read_toml
 from ..mission.metrics import metrics_of
-from ..mission.suggestions import meant
+from ..mission.suggestions import none_of
 from ..mission.validation import first_problem
 
 Scalar = bool | int | float | str
@@ -164,7 +164,7 @@ class ReportTable(_Table):
     def _is_a_metric_of_plans(cls, name: str) -> str:
         known = [m.name for m in metrics_of("report") if m.better != "neither"]
         if name not in known:
-            raise InputError(f"{name!r}{meant(name, known)}; give one of {', '.join(known)}")
+            raise none_of(name, known)
         return name
 
 

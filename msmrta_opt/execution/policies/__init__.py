@@ -13,7 +13,7 @@ from functools import cache
 from typing import Any
 
 from ...mission.errors import InputError
-from ...mission.suggestions import meant
+from ...mission.suggestions import meant, none_of
 from ..state import Policy
 
 BLOCKED = ("wait", "skip", "detour")
@@ -42,9 +42,7 @@ def policy_of(name: str, options: Mapping[str, Any]) -> tuple[Policy, dict[str, 
     """
     known = policies()
     if name not in known:
-        raise InputError(
-            f"{name!r}{meant(name, known)}; give one of {', '.join(known)}", field="policy"
-        )
+        raise none_of(name, known, "policy")
     policy = known[name]
     takes = {**COMMON, **policy.defaults}
     for option in options:

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ...mission.errors import InputError, shown
-from ..program import Block, Program, Sense
-from .written import CONSTANT, ENDINGS, INFINITE, NO_ROWS
+from ..program import INFINITE, Block, Program, Sense
+from .written import CONSTANT, ENDINGS, NO_ROWS
 
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 """A number without its sign, in the notation that both formats share."""

@@ -24,7 +24,7 @@ from scipy.sparse import csr_array, diags_array
 
 from ...arrays import Bools, Floats
 from ...mission.errors import ModelError, shown
-from ..program import Block, Program
+from ..program import INFINITE, LARGEST, SMALLEST, Block, Program
 
 CONSTANT = "objective_constant"
 """The variable that is fixed at 1 and whose cost is the constant of the objective."""
@@ -38,14 +38,8 @@ ENDINGS = ("_lo", "_up")
 LONGEST = 96
 """Characters of a name: CBC takes 100, and endings come to it."""
 
-SMALLEST, LARGEST = 1e-9, 1e15
-"""Coefficients of rows lie between these, exclusive: HiGHS drops the others or refuses them."""
-
 WIDEST = 1e10
 """Ratio of the coefficients of a row that is scaled; of a wider one the small ones lose their effect."""
-
-INFINITE = 1e20
-"""Costs, sides of rows and bounds of this size are infinite to all readers but GLPK."""
 
 _GIVE_LESS = f"give numbers below {INFINITE:g}, which readers take for infinite"
 

@@ -13,17 +13,13 @@ import numpy as np
 
 from ...arrays import Floats
 from ...mission.errors import InputError, SolverError, UnsupportedError
-from ..program import Program
+from ..program import INFINITE, LARGEST, SMALLEST, Program
 from ..scaling import scaled, scaling
 from ..solution import Status
 
 Ability = Literal[
     "integer", "lp", "time_limit", "gap", "seed", "threads", "start", "verbose", "bound", "duals"
 ]
-SMALLEST, LARGEST = 1e-9, 1e15
-"""Solvers drop scaled coefficients up to the one, and refuse those from the other on."""
-INFINITE = 1e20
-"""From here on, solvers mean infinity."""
 EVERY_ABILITY: frozenset[Ability] = frozenset(get_args(Ability))
 
 

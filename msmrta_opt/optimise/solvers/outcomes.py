@@ -14,8 +14,8 @@ from functools import wraps
 import numpy as np
 
 from ...arrays import Floats
-from ..program import Program
-from .base import INFINITE, Options, Outcome
+from ..program import INFINITE, Program
+from .base import Options, Outcome
 
 Adapter = Callable[[Program, Options], Outcome]
 

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from ...isolation import Failure, Limits, run_isolated
-from ...mission.errors import InputError, MsmrtaError
+from ...mission.errors import MsmrtaError
 from ...mission.instance import Instance
 from ...mission.metrics import METRICS, Metrics
 from ...mission.plan import Plan
-from ...mission.suggestions import meant
+from ...mission.suggestions import none_of
 from ...optimise import registry
 from ...planners import plan as make_plan
 from ...stages.cluster_assignment import cluster_data
@@ -94,9 +94,7 @@ def score(
         If the staged planner has no such stage.
     """
     if stage not in STAGES:
-        raise InputError(
-            f"{stage!r}{meant(stage, STAGES)}; give one of {', '.join(STAGES)}", field="stage"
-        )
+        raise none_of(stage, STAGES, "stage")
     given = {**(options or StagedOptions()).as_dict(), STAGES[stage]: model, **(parameters or {})}
     try:
         takes = registry.get(model, stage=stage).spec.parameters
