@@ -9,5 +9,5 @@ Reading order:
 - `optimum`: why it is this one, and for which values of the parameters it stays.
 - `numerics`: numbers that tolerances slip through.
 - `difference`, `rows`: what differs between two programs. `watched`: what an edit has changed.
-- `clock`, `signs`: a time limit that steps share; the signs in which rows are told.
+- `clock`, `signs`, `lists`: a time limit that steps share; how rows are told, and lists of them.
 """

@@ -13,11 +13,8 @@ its own, ``getIis``, which takes many times the time, and crashes now and then.)
 
 from __future__ import annotations
 
-import re
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import groupby
 from typing import Any, Literal
 
 import numpy as np
@@ -39,6 +36,7 @@ from ..optimise.settle import settle
 from ..optimise.solve import solve_program
 from ..optimise.solvers import Options, highs, solvers
 from ..optimise.solvers.base import refuse_dropped
+from .lists import shortened
 
 NODES = 1_000
 """Branch-and-bound nodes to try one deletion: without its bounds an integer program may need
@@ -343,15 +341,6 @@ def _middle(chunk: Ints, borders: Ints) -> int:
     cuts = cuts[(cuts > 0) & (cuts < len(chunk))]
     half = len(chunk) // 2
     return int(cuts[np.abs(cuts - half).argmin()]) if len(cuts) else half
-
-
-def shortened(members: list[str], maximum: int = 4) -> Iterator[str]:
-    """The members, of runs that differ in their numbers alone only the first two and a count."""
-    for _, run in groupby(members, key=lambda member: re.sub(r"\d+", "#", member)):
-        alike = list(run)
-        yield from alike if len(alike) <= maximum else alike[:2]
-        if len(alike) > maximum:
-            yield f"… and {len(alike) - 2} more like these"
 
 
 def _conflict(

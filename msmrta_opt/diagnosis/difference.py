@@ -25,11 +25,14 @@ from ..optimise.solve import solve_program
 from ..optimise.solvers import Options
 from ..optimise.subject import Subject, subject
 from .clock import Clock
-from .conflict import find_conflict, shortened
+from .conflict import find_conflict
 from .fixings import fixing_name, with_bounds, with_rows
+from .lists import shortened, under
 from .rows import Row, named_rows
 from .why_not import SAME
 
+LISTED, CHANGES = 12, 4
+"""Rows or columns that differ in one way, and changes of one of them, that are told."""
 KINDS = {
     "optimal": "has a solution",
     "feasible": "has a solution",
@@ -125,14 +128,16 @@ class Difference:
             (f"Rows of {self.a} alone", self.rows_a),
             (f"Rows of {self.b} alone", self.rows_b),
         ):
-            parts += _listed(title, list(names))
+            parts += under(title, list(names), LISTED)
         for title, items in (
             ("Bounds that differ", self.domains),
             ("Costs that differ", self.costs),
             ("Rows that differ", self.rows),
         ):
-            parts += _listed(title, [f"{x.name}: {'; '.join(_few(x.changes))}" for x in items])
-        parts += _listed("Rows renamed", [f"{old} → {new}" for old, new in self.renamed])
+            parts += under(
+                title, [f"{x.name}: {'; '.join(_few(x.changes))}" for x in items], LISTED
+            )
+        parts += under("Rows renamed", [f"{old} → {new}" for old, new in self.renamed], LISTED)
         parts.append(_transfer(self.a, self.b, self.a_in_b))
         parts.append(_transfer(self.b, self.a, self.b_in_a))
         return "\n".join(parts)
@@ -147,17 +152,9 @@ class Difference:
         return found
 
 
-def _listed(title: str, lines: list[str], maximum: int = 12) -> list[str]:
-    if not lines:
-        return []
-    shown = list(shortened(lines))
-    more = [f"  … and {len(shown) - maximum} more"] if len(shown) > maximum else []
-    return [f"{title} ({len(lines)}):", *(f"  {line}" for line in shown[:maximum]), *more]
-
-
-def _few(changes: tuple[str, ...], maximum: int = 4) -> list[str]:
-    more = len(changes) - maximum
-    return [*changes[:maximum], f"and {more} more"] if more > 0 else list(changes)
+def _few(changes: tuple[str, ...]) -> list[str]:
+    more = len(changes) - CHANGES
+    return [*changes[:CHANGES], f"and {more} more"] if more > 0 else list(changes)
 
 
 def _transfer(a: str, b: str, found: Transfer) -> str:

@@ -13,8 +13,11 @@ from ..optimise.registry import Formulation
 from ..optimise.solution import Solution
 from ..optimise.solve import AUTO, solve_program
 from ..optimise.solvers import Options
-from .conflict import shortened
+from .lists import under
 from .rows import Row, named_rows
+
+LISTED = 6
+"""Rows, columns or costs that changed in one way and are told."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +112,7 @@ def program_changes(before: Built, after: Built) -> list[str]:
         for n in before.costs
         if n in after.costs and before.costs[n] != after.costs[n]
     ]
-    return lines + _counted("costs changed", costs)
+    return lines + under("costs changed", costs, LISTED)
 
 
 def solution_changes(before: Solved, after: Solved) -> list[str]:
@@ -134,9 +137,9 @@ def solution_changes(before: Solved, after: Solved) -> list[str]:
 
 def _parts(what: str, a: dict[str, Any], b: dict[str, Any]) -> list[str]:
     return [
-        *_counted(f"{what} gone", [name for name in a if name not in b]),
-        *_counted(f"{what} added", [name for name in b if name not in a]),
-        *_counted(f"{what} changed", _changed(a, b)),
+        *under(f"{what} gone", [name for name in a if name not in b], LISTED),
+        *under(f"{what} added", [name for name in b if name not in a], LISTED),
+        *under(f"{what} changed", _changed(a, b), LISTED),
     ]
 
 
@@ -151,14 +154,6 @@ def _changed(a: dict[str, Any], b: dict[str, Any]) -> list[str]:
             else:
                 found.append(f"{name}: {a[name]} → {b[name]}")
     return found
-
-
-def _counted(what: str, names: list[str], maximum: int = 6) -> list[str]:
-    if not names:
-        return []
-    shown = list(shortened(names))
-    more = [f"  … and {len(shown) - maximum} more"] if len(shown) > maximum else []
-    return [f"{what} ({len(names)}):", *(f"  {name}" for name in shown[:maximum]), *more]
 
 
 def _result(found: Solution) -> str:

@@ -15,9 +15,10 @@ from ..optimise.program import Program
 from ..optimise.solve import solve_program
 from ..optimise.solvers import Options
 from .clock import Clock
-from .conflict import find_conflict, shortened
+from .conflict import find_conflict
 from .fixings import Fixings, fixing_name, with_bounds, with_rows
 from .forbidden import Forbidden
+from .lists import shortened
 from .terms import Summands
 
 SAME = 1e-9

@@ -23,7 +23,7 @@ LABEL = 2.2
 later, makes cells smaller."""
 
 
-def outline(cells: Sequence[Cell], margin: float = MARGIN) -> NDArray[np.float64]:
+def outline(cells: Sequence[Cell]) -> NDArray[np.float64]:
     """The convex hull of discs around `cells`, as ``(col, row)`` points, shape ``(n, 2)``.
 
     Discs make a hull of any number of cells, in line or not.
@@ -31,7 +31,7 @@ def outline(cells: Sequence[Cell], margin: float = MARGIN) -> NDArray[np.float64
     from scipy.spatial import ConvexHull
 
     turn = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-    disc = margin * np.column_stack([np.cos(turn), np.sin(turn)])
+    disc = MARGIN * np.column_stack([np.cos(turn), np.sin(turn)])
     centres = np.array(cells, dtype=float)[:, ::-1]
     points = (centres[:, None] + disc).reshape(-1, 2)
     corners: NDArray[np.float64] = points[ConvexHull(points).vertices]

@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 Box = tuple[float, float, float, float]
 """A box on the map in cells: ``(row, col)`` of its centre, height, width."""
 Floats = NDArray[np.float64]
+ROUNDS = 400
+"""The maximum number of times that boxes are pushed apart."""
 
 
-def apart(centres: Floats, sizes: Floats, room: tuple[float, float], rounds: int = 400) -> Floats:
+def apart(centres: Floats, sizes: Floats, room: tuple[float, float]) -> Floats:
     """Move boxes as little as a relaxation needs until none overlaps another.
 
     Two boxes that overlap are pushed along the axis on which they overlap less, half each, and all
-    at once, until none do or `rounds` have passed.
+    at once, until none do or `ROUNDS` have passed.
 
     Parameters
     ----------
@@ -24,8 +26,6 @@ def apart(centres: Floats, sizes: Floats, room: tuple[float, float], rounds: int
         ``(row, col)`` and height and width of each box, in cells.
     room : (n_rows, n_cols)
         The map, which boxes do not leave if they fit in it.
-    rounds : int
-        The maximum number of rounds.
 
     Returns
     -------
@@ -36,7 +36,7 @@ def apart(centres: Floats, sizes: Floats, room: tuple[float, float], rounds: int
     low = np.minimum(sizes / 2 - 0.5, (np.array(room) - 1) / 2)
     high = np.array(room) - 1 - low
     order = np.sign(np.subtract.outer(np.arange(n), np.arange(n)))[..., None]
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         between = moved[:, None] - moved[None]
         overlap = (sizes[:, None] + sizes[None]) / 2 - np.abs(between)
         overlap[np.arange(n), np.arange(n)] = 0

@@ -97,8 +97,8 @@ def _too_little_time(situation: Situation, data: VictimData) -> str:
     )
 
 
-def _up(number: float, digits: int = 12) -> str:
-    """`number` in so many digits, rounded up so that it is enough."""
-    unit = 10.0 ** (math.floor(math.log10(number)) + 1 - digits)
-    shown = f"{number:.{digits}g}"
-    return shown if float(shown) >= number else f"{number + unit:.{digits}g}"
+def _up(number: float) -> str:
+    """`number` in twelve digits, rounded up so that it is enough."""
+    unit = 10.0 ** (math.floor(math.log10(number)) - 11)
+    shown = f"{number:.12g}"
+    return shown if float(shown) >= number else f"{number + unit:.12g}"

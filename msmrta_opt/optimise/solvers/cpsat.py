@@ -50,7 +50,7 @@ class Scaled:
     """Whether the coefficients are fractions with this denominator."""
 
 
-def scaled(coefficients: Floats, magnitudes: Floats, largest: float = LARGEST) -> Scaled:
+def scaled(coefficients: Floats, magnitudes: Floats) -> Scaled:
     """Integer weights for a linear form.
 
     Parameters
@@ -59,22 +59,20 @@ def scaled(coefficients: Floats, magnitudes: Floats, largest: float = LARGEST) -
         The form's own.
     magnitudes : float array, shape (n,)
         The largest absolute values of its variables.
-    largest : float
-        What ``|weights| @ magnitudes`` may not exceed.
 
     Raises
     ------
     UnsupportedError
-        If the coefficients need more digits than that leaves them.
+        If the coefficients need more digits than there is room for.
     """
     coefficients = np.where(
         magnitudes > 0, coefficients, 0.0
     )  # of what can only be 0 there is no limit
     size = float(np.abs(coefficients) @ magnitudes)
     scale = _denominator(coefficients)
-    exact = scale is not None and scale * size <= largest
+    exact = scale is not None and scale * size <= LARGEST
     if scale is None or not exact:
-        scale = 2.0 ** np.floor(np.log2(largest / max(size, 1.0)))
+        scale = 2.0 ** np.floor(np.log2(LARGEST / max(size, 1.0)))
     weights = np.round(scale * coefficients)
     error = 0.0
     if not (weights / scale == coefficients).all():

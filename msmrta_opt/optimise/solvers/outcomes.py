@@ -15,6 +15,7 @@ import numpy as np
 
 from ...arrays import Floats
 from ..program import INFINITE, Program
+from ..solution import Status
 from .base import Options, Outcome
 
 Adapter = Callable[[Program, Options], Outcome]
@@ -36,7 +37,6 @@ def incumbent(
     bound: float | None,
     *,
     nodes: int | None = None,
-    proof: str = "branch and bound",
     message: str = "",
 ) -> Outcome:
     """The outcome with the point `x`: optimal if `bound` (in the program's own sense) proves it.
@@ -45,9 +45,8 @@ def incumbent(
     """
     value = program.value(x)
     proven = bound is not None and abs(value - bound) <= PROVEN * max(1.0, abs(value))
-    return Outcome(
-        "optimal" if proven else "feasible", x, bound, nodes, proof=proof, message=message
-    )
+    status: Status = "optimal" if proven else "feasible"
+    return Outcome(status, x, bound, nodes, proof="branch and bound", message=message)
 
 
 def gap_of_larger(gap: float) -> float:
