@@ -360,6 +360,26 @@ def test_maxima_and_absolute_values_are_solved_right(
     assert_solved_right(solve(busiest, None), enumerated(min, load, feasible))
 
 
+@pytest.mark.parametrize(
+    ("atom", "best"),
+    # Of x1 + x2 ≥ 2: two at 1 each, or one at 2.
+    [
+        (lambda x: cp.sum_largest(x, 2), 2),
+        (lambda x: cp.sum_largest(cp.sum(x), 1), 2),
+        (lambda x: cp.max(cp.abs(x)), 1),
+        (lambda x: cp.sum(cp.maximum(x, 0.5)), 2),
+    ],
+)
+def test_values_that_variables_have_already_change_nothing(
+    atom: Callable[[cp.Variable], cp.Expression], best: float
+) -> None:
+    x = cp.Variable(2, integer=True, name="x")
+    x.value = np.array([3.0, 1.0])
+    given = cp.Problem(cp.Minimize(atom(x)), [cp.sum(x) >= 2, x >= 0])
+    assert solve(given).objective == pytest.approx(best)
+    assert x.value.tolist() == [3, 1]
+
+
 def test_added_columns_are_called_auxiliary_and_the_models_own_keep_their_names() -> None:
     x = binary(3)
     two = cp.max(cp.multiply([3, 2, 5], x)) + cp.max(cp.multiply([2, 3, 1], x))

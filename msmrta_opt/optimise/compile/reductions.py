@@ -7,6 +7,8 @@ own. A new value of a parameter then costs a sparse product.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import cvxpy as cp
 import numpy as np
@@ -30,7 +32,8 @@ def reduced(name: str, problem: cp.Problem) -> Canonical:
         with warnings.catch_warnings():
             # Which of its backends cvxpy takes is its own affair.
             warnings.filterwarnings("ignore", message=".*Defaulting to the .* backend")
-            data, _, _ = problem.get_problem_data(cp.HIGHS)
+            with _without_values(problem):
+                data, _, _ = problem.get_problem_data(cp.HIGHS)
     except (DCPError, DPPError, ParameterError, SolverError, ValueError) as error:
         first = str(error).strip().splitlines()[0]
         raise ModelError(f"{name}: not a linear integer program: {first}") from error
@@ -70,6 +73,19 @@ def reduced(name: str, problem: cp.Problem) -> Canonical:
         variable_blocks(cone.variables, starts, own),
         constraint_blocks(problem, cone.constraints),
     )
+
+
+@contextmanager
+def _without_values(problem: cp.Problem) -> Iterator[None]:
+    """Its variables without values: cvxpy restates these, too, and of some atoms it fails to."""
+    values = [(variable, variable.value) for variable in problem.variables()]
+    try:
+        for variable, _ in values:
+            variable.save_value(None)
+        yield
+    finally:
+        for variable, value in values:
+            variable.save_value(value)
 
 
 def _flat(indices: list[tuple[int, ...]]) -> list[int]:
