@@ -41,7 +41,8 @@ class BindingRow:
     name: str
     side: float
     dual: float | None
-    """What one more of its side changes the optimal value by, where that is known."""
+    """The rate at which the optimal value changes with its side, where that is known; by weak duality a
+    change of any size gains no more than at that rate, and costs no less."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,7 @@ class Optimum:
             lines.append("  No dual values: the optimum was found by branching.")
         with_duals = [row for row in self.binding if row.dual]
         if with_duals:
-            lines.append("What one more of a side would change:")
+            lines.append("What one more of a side would gain at most, or cost at least:")
             with_duals.sort(key=lambda row: -abs(row.dual or 0.0))
             lines += [f"  {row.name}: {row.dual:+.6g}" for row in with_duals[:MAX_ROWS]]
             if len(with_duals) > MAX_ROWS:

@@ -56,6 +56,24 @@ def test_a_dual_value_is_what_one_more_of_a_side_changes() -> None:
         assert changed == pytest.approx(9 + (duals[label] or 0))
 
 
+@pytest.mark.parametrize("more", [0.5, 1, 2, 4])
+@pytest.mark.parametrize("integer", [True, False])
+def test_a_change_of_a_side_gains_no_more_than_its_dual_value_says(
+    integer: bool, more: float
+) -> None:
+    # Maximise 5 x, 2 x ≤ 4, x ≤ 3: from 10 at x = 2 to 15 at the most, at a rate of 2.5.
+    def bags(side: float) -> cp.Problem:
+        x = cp.Variable(integer=integer, bounds=[0, 3], name="x")
+        return cp.Problem(cp.Maximize(5 * x), [(2 * x <= side).set_label("room")])
+
+    found = explain(bags(4))
+    assert "What one more of a side would gain at most, or cost at least:\n  room: +2.5" in found.text
+    changed = explain(bags(4 + more)).solution.objective
+    right = min((4 + more) / 2, 3)
+    assert changed == pytest.approx(5 * (np.floor(right) if integer else right))
+    assert changed - 10 <= 2.5 * more
+
+
 def weighed(matrix: Any, low: float, high: float) -> Any:
     """Choose one of three things, each worth a line in t."""
 
