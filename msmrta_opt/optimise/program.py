@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+from bisect import bisect_right
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
+from operator import attrgetter
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -109,13 +111,13 @@ class Block:
 
 
 def element_name(blocks: tuple[Block, ...], position: int) -> str:
-    """The readable name of a column or row among `blocks`."""
+    """The readable name of a column or row among `blocks`, which are in order."""
     if not blocks:
         return f"[{position}]"
-    for block in blocks:
-        if block.start <= position < block.stop:
-            return block.element(position)
-    raise IndexError(position)
+    block = blocks[max(bisect_right(blocks, position, key=attrgetter("start")) - 1, 0)]
+    if not block.start <= position < block.stop:
+        raise IndexError(position)
+    return block.element(position)
 
 
 @dataclass(frozen=True, eq=False)

@@ -67,7 +67,9 @@ def test_a_change_of_a_side_gains_no_more_than_its_dual_value_says(
         return cp.Problem(cp.Maximize(5 * x), [(2 * x <= side).set_label("room")])
 
     found = explain(bags(4))
-    assert "What one more of a side would gain at most, or cost at least:\n  room: +2.5" in found.text
+    assert (
+        "What one more of a side would gain at most, or cost at least:\n  room: +2.5" in found.text
+    )
     changed = explain(bags(4 + more)).solution.objective
     right = min((4 + more) / 2, 3)
     assert changed == pytest.approx(5 * (np.floor(right) if integer else right))

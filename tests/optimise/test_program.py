@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from support.programs import program
 
-from msmrta_opt.optimise.program import Block, Program
+from msmrta_opt.optimise.program import Block, Program, element_name
 
 
 def two_blocks() -> Program:
@@ -57,3 +59,27 @@ def test_a_relaxation_is_the_same_program_without_integrality() -> None:
     assert whole.integer.all()
     assert not relaxed.integer.any()
     assert relaxed.value(np.array([1.0, 0.5])) == 3 + 2 + 5
+
+
+class Counted(tuple[Block, ...]):
+    """Blocks that count how many of them are looked at, one by one."""
+
+    looked_at = 0
+
+    def __getitem__(self, place: Any) -> Any:
+        Counted.looked_at += 1
+        return super().__getitem__(place)
+
+    def __iter__(self) -> Any:
+        raise AssertionError("all are looked at")
+
+
+def test_a_name_is_found_without_looking_at_all_blocks() -> None:
+    # Files have a block a variable: to look at all for each name takes minutes at 60,000.
+    blocks = Counted(Block(f"x{j}", 3 * j, (3,) if j % 2 else ()) for j in range(4096))
+    for position, name in ((0, "x0"), (3, "x1[0]"), (6000, "x2000"), (12287, "x4095[2]")):
+        assert element_name(blocks, position) == name
+    assert Counted.looked_at <= 4 * 14
+    for between in (1, 12288):
+        with pytest.raises(IndexError):
+            element_name(blocks, between)
