@@ -46,7 +46,7 @@ from . import (
     workload,
 )
 from .console import json_asked, put_off
-from .screen import open_closed_descriptors, screens
+from .screen import keep_from_libraries, open_closed_descriptors, screens
 
 app = typer.Typer(
     name="msmrta",
@@ -85,6 +85,7 @@ def options(
 def main() -> None:
     """Run the command line and exit."""
     open_closed_descriptors()
+    keep_from_libraries()
     status = run(sys.argv[1:])
     interruption.leave(status)
     sys.exit(status)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from msmrta_opt.mission.plan import Plan
+from msmrta_opt.optimise import registry
 
 Run = Callable[..., int]
 Patch = pytest.MonkeyPatch
@@ -196,6 +198,20 @@ def test_what_libraries_print_goes_into_no_file_where_standard_output_is_closed(
     assert (status, said) == (0, "")
     assert_written(WRITING["plan"], folder)
     assert shell('"$@" <&- >&- 2>&-', "check", corridor_file) == (0, "", "")
+
+
+@posix
+def test_what_libraries_print_is_in_no_document_on_standard_output(
+    corridor_file: Path, folder: Path
+) -> None:
+    text = registry.get("cluster_fair").path.read_text()
+    noise = 'import os\n\nos.write(1, b"a library says so\\n")\n'
+    (folder / "noisy.py").write_text(text.replace("import cvxpy", noise + "import cvxpy", 1))
+    asked = ("solve", "noisy", corridor_file, "--models", folder, "--json", "-")
+    status, shown, said = shell('"$@"', *asked)
+    assert (status, json.loads(shown)["status"]) == (0, "optimal")
+    assert said == "a library says so\n"
+    assert "a library says so" not in shell('"$@"', *asked[:-2])[1]
 
 
 @posix
