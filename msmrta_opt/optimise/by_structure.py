@@ -80,6 +80,7 @@ def _on_rows(program: Program, relaxed: Program, duals: Floats) -> Floats:
     """
     matrix = program.matrix
     single = np.flatnonzero(np.diff(matrix.indptr) == 1)
+    single = single[matrix.data[matrix.indptr[single]] != 0]
     if not single.size:
         return duals
     at = matrix.indptr[single]

@@ -239,6 +239,15 @@ def test_the_dual_value_of_a_row_of_one_variable_is_no_bound_s(
     assert (found.status, found.duals["row {i}"].tolist()) == ("optimal", [right])
 
 
+def test_a_row_whose_only_coefficient_is_0_has_the_dual_value_0() -> None:
+    wait = program([[1.0, 0.0], [1.0, 0.0]], INF, [1.0, 2.0], row_lower=[0.0, 3.0], upper=10.0)
+    zero = wait.matrix.copy()
+    zero.data[0] = 0.0
+    found = solve_program(replace(wait, matrix=zero))
+    assert (found.status, found.objective) == ("optimal", 3)
+    assert found.duals["row {i}"].tolist() == [0.0, 1.0]
+
+
 @pytest.mark.parametrize("upper", [10.0, 1e6, 1e9, 1e12])
 def test_a_far_bound_on_which_nothing_leans_costs_no_proof(upper: float) -> None:
     wait = program([[0.1]], INF, 1.0, row_lower=[0.3], upper=upper)
