@@ -1,8 +1,6 @@
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import networkx as nx
@@ -10,14 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.stage_missions import mission, small_missions
 
-from msmrta_opt import formulations
 from msmrta_opt.mission.errors import ModelError
-from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.grid import Cell, GridMap
-from msmrta_opt.mission.instance import Instance, Robot, Victim
-from msmrta_opt.mission.maps import grid_from_rows
-from msmrta_opt.optimise import registry
+from msmrta_opt.mission.instance import Instance
 from msmrta_opt.stages.cluster_assignment import ClusterAssignment, cluster_assignment, cluster_data
 from msmrta_opt.stages.clustering import Clustering, clustering
 from msmrta_opt.stages.options import StagedOptions
@@ -25,29 +20,6 @@ from msmrta_opt.stages.requirement_analysis import RequirementAnalysis, requirem
 from msmrta_opt.stages.situation import Situation, Stop
 
 A, B, C = 0, 1, 2
-
-
-def mission(
-    rows: Sequence[str],
-    robots: Sequence[tuple[Cell, str]],
-    victims: Sequence[tuple[Cell, str]],
-    clusters: Sequence[int],
-) -> Instance:
-    """Robots and victims by cell and kinds, a letter each."""
-    return Instance(
-        map=grid_from_rows(rows),
-        capabilities=("A", "B", "C"),
-        service_time={"A": 2.0, "B": 3.0, "C": 5.0},
-        robots=tuple(
-            Robot(id=i, start=cell, speed=1.0, capabilities=tuple(has))
-            for i, (cell, has) in enumerate(robots)
-        ),
-        victims=tuple(
-            Victim(id=i, cell=cell, requirements=tuple(needs))
-            for i, (cell, needs) in enumerate(victims)
-        ),
-        clusters=tuple(clusters),
-    )
 
 
 def before(
@@ -267,24 +239,6 @@ def test_a_robot_that_cannot_reach_the_centre_stays_away(through_centre: bool) -
 Edit = Callable[[str, str, str], str]
 
 
-@pytest.fixture
-def edit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Edit]:
-    """Copy a formulation with one text replaced into a models folder; returns the copy's name."""
-    monkeypatch.setattr(formulations, "__path__", [*formulations.__path__, str(tmp_path)])
-    copies = []
-
-    def copy(name: str, old: str, new: str) -> str:
-        text = registry.get(name).path.read_text(encoding="utf-8")
-        assert old in text
-        copies.append(f"{name}_edited")
-        (tmp_path / f"{copies[-1]}.py").write_text(text.replace(old, new), encoding="utf-8")
-        return copies[-1]
-
-    yield copy
-    for name in copies:
-        sys.modules.pop(f"{formulations.__name__}.{name}", None)
-
-
 def test_a_formulation_that_sends_two_robots_to_a_cluster_serves_each_requirement_once(
     edit: Edit,
 ) -> None:
@@ -309,18 +263,7 @@ def test_a_formulation_without_the_documented_variable_is_refused_by_name(edit: 
 @st.composite
 def missions(draw: st.DrawFn) -> Instance:
     """Small missions with walls and random pinned clusters."""
-    n_columns = draw(st.integers(2, 6))
-    row = st.text("..@", min_size=n_columns, max_size=n_columns)
-    rows = st.lists(row, min_size=1, max_size=5).filter(lambda rows: "." in "".join(rows))
-    instance = generate_mission(
-        grid_from_rows(draw(rows)),
-        draw(st.integers(1, 4)),
-        draw(st.integers(1, 7)),
-        seed=draw(st.integers(0, 999)),
-        per_robot=(0, 3),
-        per_victim=(0, 4),
-        solvable=False,
-    )
+    instance = draw(small_missions())
     labels = st.lists(st.integers(0, 4), min_size=instance.n_victims, max_size=instance.n_victims)
     return instance.replace(clusters=tuple(draw(labels)))
 

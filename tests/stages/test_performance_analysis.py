@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.stage_missions import small_missions
 
-from msmrta_opt.mission.generate import generate_mission
 from msmrta_opt.mission.instance import Instance, Robot, Victim
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.optimise.data import VictimData
@@ -153,18 +153,7 @@ def test_without_victims_there_are_no_times(performance: str) -> None:
 @st.composite
 def missions(draw: st.DrawFn) -> Instance:
     """Small missions with walls, and with own service times of some victims."""
-    n_columns = draw(st.integers(2, 6))
-    row = st.text("..@", min_size=n_columns, max_size=n_columns)
-    rows = st.lists(row, min_size=1, max_size=5).filter(lambda rows: "." in "".join(rows))
-    instance = generate_mission(
-        grid_from_rows(draw(rows)),
-        draw(st.integers(1, 4)),
-        draw(st.integers(1, 7)),
-        seed=draw(st.integers(0, 999)),
-        per_robot=(0, 3),
-        per_victim=(0, 4),
-        solvable=False,
-    )
+    instance = draw(small_missions())
     own = st.integers(0, 9).map(float)
     victims = tuple(
         victim.model_copy(

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.amounts import examples
+from support.stage_missions import mission
 
 from msmrta_opt.mission.generate import generate_mission
-from msmrta_opt.mission.grid import Cell
-from msmrta_opt.mission.instance import Instance, Robot, Victim
+from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.stages.options import StagedOptions
 from msmrta_opt.stages.requirement_analysis import requirement_analysis
@@ -21,25 +21,6 @@ from msmrta_opt.stages.situation import Situation, Stop, without
 
 A, B, C = 0, 1, 2
 SEALED, SEQUENTIAL = "sealed", "sequential"
-
-
-def mission(
-    rows: Sequence[str], robots: Sequence[tuple[Cell, str]], victims: Sequence[tuple[Cell, str]]
-) -> Instance:
-    """Robots and victims by cell and kinds, a letter each."""
-    return Instance(
-        map=grid_from_rows(rows),
-        capabilities=("A", "B", "C"),
-        service_time={"A": 2.0, "B": 3.0, "C": 5.0},
-        robots=tuple(
-            Robot(id=i, start=cell, speed=1.0, capabilities=tuple(has))
-            for i, (cell, has) in enumerate(robots)
-        ),
-        victims=tuple(
-            Victim(id=i, cell=cell, requirements=tuple(needs))
-            for i, (cell, needs) in enumerate(victims)
-        ),
-    )
 
 
 def corridor(robots: dict[int, str], victims: dict[int, str]) -> Instance:

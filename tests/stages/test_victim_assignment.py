@@ -1,21 +1,17 @@
 from __future__ import annotations
 
 import itertools
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from support.stage_missions import mission
 
-from msmrta_opt import formulations
 from msmrta_opt.mission.errors import ModelError
 from msmrta_opt.mission.grid import Cell
-from msmrta_opt.mission.instance import Instance, Robot, Victim
-from msmrta_opt.mission.maps import grid_from_rows
-from msmrta_opt.optimise import registry
+from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise.data import VictimData
 from msmrta_opt.stages.cluster_assignment import cluster_assignment
 from msmrta_opt.stages.clustering import clustering
@@ -29,25 +25,6 @@ A, B, C = 0, 1, 2
 PRINTED, ONE_TO_ONE, COVERING, BALANCED = (
     f"victim_{name}" for name in ("printed", "one_to_one", "covering", "balanced")
 )
-
-
-def mission(
-    rows: Sequence[str], robots: Sequence[tuple[Cell, str]], victims: Sequence[tuple[Cell, str]]
-) -> Instance:
-    """Robots and victims by cell and kinds, a letter each."""
-    return Instance(
-        map=grid_from_rows(rows),
-        capabilities=("A", "B", "C"),
-        service_time={"A": 2.0, "B": 3.0, "C": 5.0},
-        robots=tuple(
-            Robot(id=i, start=cell, speed=1.0, capabilities=tuple(has))
-            for i, (cell, has) in enumerate(robots)
-        ),
-        victims=tuple(
-            Victim(id=i, cell=cell, requirements=tuple(needs))
-            for i, (cell, needs) in enumerate(victims)
-        ),
-    )
 
 
 def b3_of(
@@ -261,24 +238,6 @@ def test_whoever_comes_serves_all_that_remains_of_what_it_has(
 # Edited formulations
 
 Edit = Callable[[str, str, str], str]
-
-
-@pytest.fixture
-def edit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Edit]:
-    """Copy a formulation with one text replaced into a models folder; returns the copy's name."""
-    monkeypatch.setattr(formulations, "__path__", [*formulations.__path__, str(tmp_path)])
-    copies = []
-
-    def copy(name: str, old: str, new: str) -> str:
-        text = registry.get(name).path.read_text(encoding="utf-8")
-        assert old in text
-        copies.append(f"{name}_edited")
-        (tmp_path / f"{copies[-1]}.py").write_text(text.replace(old, new), encoding="utf-8")
-        return copies[-1]
-
-    yield copy
-    for name in copies:
-        sys.modules.pop(f"{formulations.__name__}.{name}", None)
 
 
 def test_where_a_formulation_sends_several_robots_the_first_serves_what_both_could(
