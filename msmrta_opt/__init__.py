@@ -71,9 +71,9 @@ if TYPE_CHECKING:
     from .optimise.formulation import Parameter as Parameter
     from .optimise.formulation import Spec as Spec
     from .optimise.mission_data import Surroundings as Surroundings
+    from .optimise.new_models import blank_model as blank_model
+    from .optimise.new_models import copy_model as copy_model
     from .optimise.registry import add_models as add_models
-    from .optimise.registry import blank_model as blank_model
-    from .optimise.registry import copy_model as copy_model
     from .optimise.registry import get as model  # noqa: F401
     from .optimise.registry import models as list_models  # noqa: F401
     from .optimise.registry import models as models

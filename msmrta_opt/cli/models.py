@@ -267,18 +267,18 @@ def new_model(
 ) -> None:
     """Write a new formulation to edit: a copy of another, or the smallest of a stage."""
     from ..mission.errors import InputError
-    from ..optimise import registry
+    from ..optimise.new_models import blank_model, copy_model
     from .console import say
 
     add_folders(folders)
     if (source is None) == (blank is None):
         raise InputError("give either --from MODEL or --blank STAGE", field="new-model")
     if source is not None:
-        path, what = registry.copy_model(source, name, to), f"a copy of {source}"
+        path, what = copy_model(source, name, to), f"a copy of {source}"
         where = f" --models {to}" if to else ""
     else:
         to = to or Path()
-        path = registry.blank_model(blank or "", name, to)
+        path = blank_model(blank or "", name, to)
         what, where = f"a small formulation of stage {blank}", f" --models {to}"
     say(f"{path} is {what}: edit it, then `msmrta show {name}{where}`")
 

@@ -3,8 +3,9 @@
 Reading order:
 
 - `formulation`, `axes`, `data`, `mission_data`: the contract of a model file, and what it is given.
-- `documentation`, `blank`: the fields of that data for people, and files to begin with.
-- `registry`: the model files, found by name.
+- `documentation`: the fields of that data for people.
+- `registry`: the model files, found by name; `new_models` writes more, of which
+  `blank` has the smallest.
 - `compile`: a formulation on data as a `program`, all in arrays, named in ids.
 - `structure`, `assignment`: what the matrix proves, and what that spares.
 - `solve`, `by_structure`, `solvers`, `solution`: solving, as the matrix decides or by name.

@@ -15,7 +15,7 @@ import pytest
 from msmrta_opt import cli, formulations
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.mission.plan import Plan
-from msmrta_opt.optimise import registry
+from msmrta_opt.optimise import new_models, registry
 from msmrta_opt.optimise.blank import BLANK
 from msmrta_opt.optimise.solve import solve
 from msmrta_opt.planners import plan
@@ -71,7 +71,7 @@ def test_a_blank_formulation_runs_as_it_is(stage: str, workplace: Path, capsys: 
 def test_the_blank_routing_formulation_has_the_optimum_of_the_exact_planner(
     mission: str, workplace: Path
 ) -> None:
-    registry.blank_model("routing", "routing_blank")
+    new_models.blank_model("routing", "routing_blank")
     instance = Instance.read(workplace / "instances" / f"{mission}.json")
     found = solve("routing_blank", stage_data(instance, "routing"))
     made = plan(instance, planner="exact", objective="total_time", time_limit=60)
@@ -82,7 +82,7 @@ def test_the_blank_routing_formulation_has_the_optimum_of_the_exact_planner(
 def test_the_blank_joint_formulation_takes_the_clusters_that_leave_the_minimum_of_service(
     mission: str, workplace: Path
 ) -> None:
-    registry.blank_model("joint", "joint_blank")
+    new_models.blank_model("joint", "joint_blank")
     data = stage_data(Instance.read(workplace / "instances" / f"{mission}.json"), "joint")
     n_robots, n_clusters = data.w.shape
     left = np.where(data.can_serve, data.service, np.inf).min(axis=0)  # by holder and victim

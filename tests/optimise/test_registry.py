@@ -11,11 +11,11 @@ import pytest
 
 from msmrta_opt import formulations
 from msmrta_opt.mission.errors import InputError, ModelError
+from msmrta_opt.optimise.new_models import copy_model
 from msmrta_opt.optimise.registry import (
     ENVIRONMENT,
     Listing,
     add_models,
-    copy_model,
     folders,
     get,
     listings,

@@ -23,8 +23,8 @@ from support.programs import (
     structured_programs,
 )
 
-from msmrta_opt.mission.errors import CheckError, InputError, ModelError
-from msmrta_opt.optimise.data import ClusterData, VictimData
+from msmrta_opt.mission.errors import CheckError, InputError
+from msmrta_opt.optimise.data import ClusterData
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solution import Solution
 from msmrta_opt.optimise.solve import solve, solve_program
@@ -293,52 +293,6 @@ def test_an_assignment_that_its_duals_do_not_prove_is_solved_otherwise(
     solution = solve("cluster_one_to_one", cluster_data(), psi=0)
     assert_solved_right(solution, 6)
     assert "simplex" in solution.proof
-
-
-# What is asked for wrongly.
-
-
-@pytest.mark.parametrize(
-    ("asked", "message"),
-    [
-        (
-            {"solver": "hihgs"},
-            r"solver: no solver 'hihgs' \(did you mean 'highs'\?\); there are auto, ",
-        ),
-        ({"phi": 0.5}, r"phi: .* no such parameter \(did you mean 'psi'\?\); it has psi"),
-        ({"psi": 1.5}, "psi: 1.5; give a number from 0 to 1"),
-        ({"psi": -0.01}, "psi: "),
-        ({"psi": float("nan")}, "psi: nan"),
-        ({"psi": "0.5"}, "psi: "),
-        ({"time_limit": -1}, "time_limit: -1"),
-        ({"time_limit": float("nan")}, "time_limit: nan"),
-        ({"gap": -0.1}, "gap: -0.1"),
-        ({"threads": 0}, "threads: 0"),
-        ({"seed": -1}, "seed: -1"),
-        ({"seed": 2**31}, "seed: "),
-        ({"start": {"y": np.zeros((2, 2))}}, "start: no variable 'y'; there are x"),
-        ({"start": {"x": np.zeros(4)}}, r"start\.x: shape \(4,\) where x has \(2, 2\)"),
-    ],
-)
-def test_what_is_asked_for_wrongly_is_an_input_error_that_names_it(
-    asked: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(InputError, match=message):
-        solve("cluster_one_to_one", cluster_data(), **asked)
-
-
-def test_an_unknown_formulation_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(
-        InputError, match=r"^model: no formulation 'cluster_two' .*there are .*cluster_printed"
-    ):
-        solve("cluster_two", cluster_data())
-
-
-def test_data_of_another_stage_is_a_model_error_that_names_the_formulation() -> None:
-    zeros = np.zeros((1, 1))
-    victims = VictimData(zeros, zeros, zeros == 0, np.zeros(1), np.ones(1, int), np.ones(1))
-    with pytest.raises(ModelError, match=r"^cluster_printed: "):
-        solve("cluster_printed", victims)
 
 
 @both_ways
