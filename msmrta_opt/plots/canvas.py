@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FixedLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from ..mission.grid import GridMap
@@ -55,6 +55,10 @@ def panel_size(grid: GridMap, side: float = 5.6) -> tuple[float, float]:
     return max(side * n_cols / longest, 3.4), max(side * n_rows / longest, 1.2)
 
 
+THINNEST = 40.0
+"""Points across a map that is drawn with marks on it, at the minimum."""
+
+
 @dataclass(frozen=True)
 class Scale:
     """Sizes, in points, that suit a map in the axes it is drawn in."""
@@ -80,6 +84,11 @@ class Scale:
             font=float(np.clip(0.45 * cell, 7.5, 9.0)),
             line=float(np.clip(0.14 * cell, 1.5, 2.4)),
         )
+
+    def margin(self, shape: tuple[int, int]) -> tuple[float, float]:
+        """Cells shown beyond the edges of a map, above and below, and on either side."""
+        n_rows, n_cols = (max(THINNEST / self.cell - n, 0.0) / 2 for n in shape)
+        return n_rows, n_cols
 
 
 @as_written
@@ -110,15 +119,28 @@ def plot_map(grid: GridMap, ax: Axes | None = None) -> Axes:
             LineCollection(list(borders(grid.free)), colors=WALL_EDGE, linewidths=0.7, zorder=0.6),
             autolim=False,
         )
-    ax.set(xlim=(-0.5, n_cols - 0.5), ylim=(n_rows - 0.5, -0.5), aspect="equal")
+    frame_map(ax, grid)
     ax.set_xlabel("column (cells)", fontsize=8)
     ax.set_ylabel("row (cells)", fontsize=8)
     ax.tick_params(labelsize=7.5, length=2, color=FAINT)
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(MaxNLocator(nbins=8, integer=True, min_n_ticks=1))
+    for axis, n in ((ax.xaxis, n_cols), (ax.yaxis, n_rows)):
+        places = MaxNLocator(nbins=8, integer=True, min_n_ticks=1).tick_values(-0.5, n - 0.5)
+        axis.set_major_locator(FixedLocator([place for place in places if 0 <= place < n]))
     ax.spines[:].set(color=WALL_EDGE, linewidth=0.8)
     ax.set_title(f"Map {grid.name}".rstrip(), fontsize=10)
     return ax
+
+
+def frame_map(ax: Axes, grid: GridMap) -> None:
+    """Show all of `grid`; around a corridor as much of the walls beside it as its marks need."""
+    n_rows, n_cols = grid.shape
+    down, across = Scale.of(ax, grid).margin(grid.shape)
+    ax.set(
+        xlim=(-0.5 - across, n_cols - 0.5 + across),
+        ylim=(n_rows - 0.5 + down, -0.5 - down),
+        aspect="equal",
+        facecolor=WALL,
+    )
 
 
 def borders(mask: NDArray[np.bool_]) -> NDArray[np.float64]:

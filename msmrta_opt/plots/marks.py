@@ -169,7 +169,7 @@ def draw_groups(
         return []
     sizes = np.array([_size(group, scale) for group in groups]) / scale.cell
     cells = np.array([group.cell for group in groups], dtype=float)
-    centres = apart(cells, sizes, shape)
+    centres = apart(cells, sizes, shape, scale.margin(shape))
     _draw_leaders(ax, cells, centres, scale)
     _draw_arcs(ax, groups, centres, scale)
     discs: dict[tuple[str, str], list[tuple[float, float, float]]] = {}

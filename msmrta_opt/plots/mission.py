@@ -177,8 +177,12 @@ def _write_title(page: Page, plan: Plan) -> None:
     made = f" · {size} · {says(plan)}"
     name = fitted(name_of(instance), 12, max(room - 6.9 * len(made), 0.3 * room), bold=True)
     page.write(MARGIN, 0.1, fitted(name + made, 12, room, bold=True), 12, fontweight="bold")
-    figures_said = (
-        f"{served_text(plan)} · makespan {figures.makespan:g} · total time "
-        f"{figures.total_time:g} · mean completion {figures.mean_completion:.4g} time units"
-    )
-    page.write(MARGIN, 0.36, fitted(figures_said, 9, room), 9, color=FAINT)
+    told = [
+        served_text(plan),
+        f"makespan {figures.makespan:g}",
+        f"total time {figures.total_time:g}",
+        f"mean completion {figures.mean_completion:.4g}",
+    ]
+    lines = [f"{' · '.join(told[:n])} time units" for n in range(len(told), 1, -1)]
+    line = next((line for line in lines if fitted(line, 9, room) == line), lines[-1])
+    page.write(MARGIN, 0.36, fitted(line, 9, room), 9, color=FAINT)

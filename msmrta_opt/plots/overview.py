@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..mission.instance import Victim
 from ..mission.plan import Plan
-from .canvas import Scale
+from .canvas import Scale, frame_map
 from .marks import draw_groups, fades, start_of, unserved_victims
 from .style import FADED, INK, MISSED, TURNED_UP, robot_styles
 from .walks import corners, lanes
@@ -40,7 +40,7 @@ def draw_walks(ax: Axes, plan: Plan, scale: Scale, faded: Collection[tuple[int, 
             np.ma.masked_equal(passes, 0), cmap=TRAFFIC, interpolation="none", zorder=1,
             norm=LogNorm(1, max(2.0, float(passes.max()))),
         )  # fmt: skip
-        ax.set(xlim=(-0.5, passes.shape[1] - 0.5), ylim=(passes.shape[0] - 0.5, -0.5))
+        frame_map(ax, plan.instance.map)
         return
     styles = robot_styles(plan.instance)
     shifts = lanes(len(moving), scale)

@@ -14,7 +14,12 @@ ROUNDS = 400
 """The maximum number of times that boxes are pushed apart."""
 
 
-def apart(centres: Floats, sizes: Floats, room: tuple[float, float]) -> Floats:
+def apart(
+    centres: Floats,
+    sizes: Floats,
+    room: tuple[float, float],
+    margin: tuple[float, float] = (0.0, 0.0),
+) -> Floats:
     """Move boxes as little as a relaxation needs until none overlaps another.
 
     Two boxes that overlap are pushed along the axis on which they overlap less, half each, and all
@@ -26,6 +31,8 @@ def apart(centres: Floats, sizes: Floats, room: tuple[float, float]) -> Floats:
         ``(row, col)`` and height and width of each box, in cells.
     room : (n_rows, n_cols)
         The map, which boxes do not leave if they fit in it.
+    margin : (rows, cols)
+        Cells that are shown beyond each edge of the map, and are room, too.
 
     Returns
     -------
@@ -33,7 +40,7 @@ def apart(centres: Floats, sizes: Floats, room: tuple[float, float]) -> Floats:
         The new centres.
     """
     moved, n = centres.astype(float), len(centres)
-    low = np.minimum(sizes / 2 - 0.5, (np.array(room) - 1) / 2)
+    low = np.minimum(sizes / 2 - 0.5 - np.array(margin), (np.array(room) - 1) / 2)
     high = np.array(room) - 1 - low
     order = np.sign(np.subtract.outer(np.arange(n), np.arange(n)))[..., None]
     for _ in range(ROUNDS):

@@ -18,7 +18,7 @@ from ..mission.grid import GridMap
 from ..mission.instance import Instance
 from ..mission.plan import Plan, ScoutingReport, Track
 from ..mission.visibility import FieldOfView
-from .canvas import Scale, borders, is_large, map_axes, plot_map
+from .canvas import Scale, borders, frame_map, is_large, map_axes, plot_map
 from .legends import legend_below, mark_handle, robot_handles
 from .lettering import as_written
 from .marks import (
@@ -170,8 +170,7 @@ def draw_seen(ax: Axes, grid: GridMap, tracks: Sequence[Track]) -> None:
             LineCollection(list(borders(never)), colors="#5B5397", linewidths=0.8, zorder=0.7),
             autolim=False,
         )
-    n_rows, n_cols = grid.shape
-    ax.set(xlim=(-0.5, n_cols - 0.5), ylim=(n_rows - 0.5, -0.5))
+    frame_map(ax, grid)
 
 
 def scout_style(place: int) -> RobotStyle:

@@ -6,6 +6,7 @@ from itertools import combinations
 from pathlib import Path
 
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from support.legible import illegible
 
@@ -64,12 +65,19 @@ def five_scouts() -> Instance:
     return Instance.from_document(document)
 
 
+def corridor(across: int, down: int) -> Instance:
+    """One cell wide, with five victims along it."""
+    return generate_mission(grid_from_rows(["." * across] * down), 2, 5, seed=2, per_robot=(3, 6))
+
+
 MISSIONS = {
     "paper": lambda: Instance.read(PAPER),
     "one robot": lambda: generate_mission(OPEN, 1, 6, seed=1, per_robot=(6, 6)),
     "unserved victims": unserved,
     "long names": long_names,
     "five scouts": five_scouts,
+    "corridor across": lambda: corridor(180, 1),
+    "corridor down": lambda: corridor(1, 120),
     "10 × 100": lambda: generated(10, 100, 48),
     "20 × 200": lambda: generated(20, 200, 64),
 }
@@ -110,6 +118,17 @@ def test_every_victim_of_a_small_mission_is_named_in_each_panel() -> None:
 
 
 PANELS = ("Scouting", "Assignment", "Paths")
+
+
+@pytest.mark.parametrize(("across", "down"), [(180, 1), (400, 1), (1, 120), (2, 90), (1, 1)])
+def test_a_corridor_is_drawn_with_room_for_the_marks_on_it(across: int, down: int) -> None:
+    """40 points across at 100 dots an inch are 55 dots; ticks are on the map alone."""
+    ax = plots.plot_map(grid_from_rows(["." * across] * down))
+    FigureCanvasAgg(ax.figure).draw()
+    box = ax.get_window_extent()
+    assert min(box.width, box.height) >= 50
+    assert {*ax.get_xticks()} <= {*range(across)}
+    assert {*ax.get_yticks()} <= {*range(down)}
 
 
 def test_no_text_of_two_plans_side_by_side_lies_outside_or_on_another() -> None:

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 from PIL import Image
 
 from msmrta_opt import plots
+from msmrta_opt.mission.generate import generate_mission
+from msmrta_opt.mission.maps import grid_from_rows
 from msmrta_opt.mission.plan import Plan
+from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.plots.replay import film
-from msmrta_opt.plots.replay.scene import schedules
+from msmrta_opt.plots.replay.scene import clock, schedules
 
 
 @pytest.fixture(autouse=True)
@@ -85,3 +91,39 @@ def test_the_same_plan_gives_the_same_film(plan: Plan, tmp_path: Path) -> None:
 def test_an_mp4_is_one(plan: Plan, tmp_path: Path) -> None:
     plan.replay().save(tmp_path / "film.mp4")
     assert (tmp_path / "film.mp4").read_bytes()[4:8] == b"ftyp"
+
+
+@pytest.mark.parametrize("ids", [0, 10**15])
+def test_all_that_a_film_says_is_on_the_picture(
+    plan: Plan, ids: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a corridor down and of a mission with long names and ids."""
+    names = {"name": "a mission with a name that says it all " * 3}
+    if ids:
+        robots = [x.model_copy(update={"id": ids + x.id}) for x in plan.instance.robots]
+        mission = plan.instance.replace(robots=tuple(robots), **names)
+    else:
+        mission = generate_mission(grid_from_rows(["."] * 90), 2, 4, seed=1, per_robot=(3, 6))
+    boxes: list[tuple[str, Bbox]] = []
+    draw = Text.draw
+
+    def note(text: Text, *arguments: Any, **options: Any) -> None:
+        boxes.append((text.get_text(), text.get_window_extent()))
+        draw(text, *arguments, **options)
+
+    monkeypatch.setattr(Text, "draw", note)
+    picture = list(film.frames([make_plan(mission)], ["a planner and what it did then"], 1))[-1]
+    outside = {
+        said
+        for said, box in boxes
+        if said.strip() and (box.x0 < 0 or box.x1 > picture.width or box.y1 > picture.height)
+    }
+    assert outside == set()
+
+
+@pytest.mark.parametrize(
+    ("t", "makespan", "said"),
+    [(195.04, 384, "195"), (0.00195, 0.00384, "0.00195"), (1.94e9, 4.6e9, "1.94e+09"), (0, 0, "0")],
+)
+def test_the_clock_of_a_film_goes_in_any_unit_of_time(t: float, makespan: float, said: str) -> None:
+    assert clock(t, makespan) == said

@@ -193,7 +193,7 @@ def test_a_film_of_a_run_says_who_was_lost_what_was_served_and_who_turned_up(run
         "R1",
         "R2 lost",
         "v30",
-        "time 2 of 5: 0 of 3 available requirements served",
+        "time 2.5 of 5: 0 of 3 available requirements served",
     }
     assert {"R2 lost", "time 5 of 5: 1 of 3 available requirements served"} <= said(5)
 

@@ -23,11 +23,13 @@ from ...mission.files import write_with
 from ...mission.plan import Plan
 from ...mission.run import Run
 from ..canvas import panel_size, plot_map
+from ..figure import POINTS_PER_INCH
 from ..gantt import plot_gantt
-from ..lettering import as_written, shortened
+from ..lettering import as_written, fitted, shortened, width_of
+from ..titles import name_of
 from ..walked import walked
 from .run_scene import RunScene
-from .scene import Moving, Scene
+from .scene import ABOVE, TITLE, Moving, Scene
 
 DPI = 80
 SCOUTING, MISSION, LAST = 3.0, 9.0, 1.5
@@ -122,9 +124,12 @@ def _page(plans: Sequence[Plan | Run], labels: Sequence[str]) -> Figure:
             panel.set(title="", xlabel="", ylabel="")
             if (legend := panel.get_legend()) is not None:
                 legend.remove()
-        name = shortened(plan.instance.name or "unnamed mission")
+        ground.set_anchor("NW")  # below its title, however narrow
+        room = POINTS_PER_INCH * (width / len(plans) - 0.8)
+        who = f" · {shortened(label)}"
+        name = fitted(name_of(plan.instance), TITLE, room - width_of(who, TITLE))
         # The second line is left to what is said of each moment.
-        ground.set_title(f"{name} · {shortened(label)}\n ", fontsize=10, loc="left")
+        ground.set_title(f"{name}{who}\n ", fontsize=TITLE, pad=ABOVE, loc="left")
     return figure
 
 

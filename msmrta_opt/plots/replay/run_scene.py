@@ -10,6 +10,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.patches import Rectangle
 
 from ...mission.run import Run, Walked
+from ..marks import number_of
 from ..style import FADED, INK, robot_styles
 from ..walked import walked
 from .scene import Moving, Scene, Schedule, Service, wedge_of
@@ -55,7 +56,7 @@ class RunScene(Scene):
     def _look(self, robot: int, t: float) -> tuple[str, str, str]:
         if t < self.lost.get(robot, np.inf):
             return super()._look(robot, t)
-        return f"R{robot} lost", INK, "white"
+        return f"R{number_of(robot)} lost", INK, "white"
 
 
 def schedules(run: Run) -> dict[int, Schedule]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -19,6 +20,7 @@ from ...mission.instance import Victim
 from ...mission.plan import Plan
 from ...mission.visibility import FieldOfView
 from ..canvas import Scale
+from ..marks import number_of
 from ..placing import apart
 from ..style import INK, MISSED, TURNED_UP, robot_styles
 
@@ -29,6 +31,8 @@ RECENT = 0.08
 SEEN, UNSEEN = "#F5A623", "#8C93A0"
 FONT, BADGE = 7.5, 14.0
 """Points of letters, and of a badge from top to bottom."""
+TITLE, ABOVE = 10.0, 6.0
+"""Points of the letters above the map, and how far above it they stand."""
 HALO = withStroke(linewidth=2, foreground="white")
 
 
@@ -75,6 +79,12 @@ class Service(NamedTuple):
     arrival: float
     departure: float
     done: bool = True
+
+
+def clock(t: float, makespan: float) -> str:
+    """A time up to the makespan, to three digits of that, whatever the unit of time."""
+    digits = 2 - math.floor(math.log10(makespan)) if makespan else 0
+    return f"{round(min(t, makespan), digits):g}"
 
 
 def _arrival(service: Service) -> float:
@@ -153,7 +163,9 @@ class Scene:
         return [
             (self.ground, self.ground.imshow(tint, interpolation="none")),
             self._victims(found),
-            *self._badges([(f"S{x.scout}", INK, "white") for x in places], [*places.values()]),
+            *self._badges(
+                [(f"S{number_of(x.scout)}", INK, "white") for x in places], [*places.values()]
+            ),
             self._say(f"{said}, {len(found)} of {mission.n_victims} victims found"),
         ]
 
@@ -182,7 +194,7 @@ class Scene:
             self._wedges(t),
             *self._robots([walk[-1] for walk in walks], t),
             (self.timeline, self.timeline.axvline(t, color=INK, lw=1.6)),
-            self._say(f"time {min(t, self.makespan):.0f} of {self.makespan:g}: {served}"),
+            self._say(f"time {clock(t, self.makespan)} of {self.makespan:g}: {served}"),
         ]
 
     def write_names(self) -> None:
@@ -196,7 +208,7 @@ class Scene:
     def _name(self, victim: Victim) -> Artist:
         row, col = victim.cell
         return self.ground.text(
-            col + self.radius, row - self.radius, f"v{victim.id}", fontsize=FONT,
+            col + self.radius, row - self.radius, f"v{number_of(victim.id)}", fontsize=FONT,
             fontweight="bold", color=INK, path_effects=[HALO],
         )  # fmt: skip
 
@@ -244,7 +256,7 @@ class Scene:
     def _look(self, robot: int, t: float) -> tuple[str, str, str]:
         """What a robot's badge says, on which colour and in which ink."""
         style = self.styles[robot]
-        return f"R{robot}", style.colour, style.ink
+        return f"R{number_of(robot)}", style.colour, style.ink
 
     def _robots(self, places: Sequence[Floats], t: float) -> Moving:
         looks = [self._look(robot, t) for robot in self.schedules]
@@ -268,7 +280,7 @@ class Scene:
         shape = self.plan.instance.map.shape
         moved = np.array(at, dtype=np.float64)
         if self.named:
-            moved = apart(moved, sizes / self.scale.cell, shape)
+            moved = apart(moved, sizes / self.scale.cell, shape, self.scale.margin(shape))
         return [
             self._badge(name, row, col, face, ink)
             for (name, face, ink), (row, col) in zip(looks, moved.tolist(), strict=True)
@@ -285,5 +297,7 @@ class Scene:
         )  # fmt: skip
 
     def _say(self, text: str) -> tuple[Axes, Artist]:
-        where = self.ground.transAxes
-        return self.ground, self.ground.text(0, 1.015, text, transform=where, fontsize=10)
+        return self.ground, self.ground.annotate(
+            text, (0, 1), xycoords="axes fraction", xytext=(0, ABOVE), textcoords="offset points",
+            fontsize=TITLE,
+        )  # fmt: skip
