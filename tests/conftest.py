@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from support.amounts import QUICK_EXAMPLES
 from support.by_hand import breadth_first as breadth_first
 from support.by_hand import mission as mission
 from support.by_hand import plan as plan
@@ -19,7 +20,7 @@ from msmrta_opt.mission.instance import Instance
 settings.register_profile(
     "whole", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
-settings.register_profile("quick", settings.get_profile("whole"), max_examples=25)
+settings.register_profile("quick", settings.get_profile("whole"), max_examples=QUICK_EXAMPLES)
 QUICK = "not slow"
 """The tests that are chosen by default, with a fourth of the random examples."""
 
@@ -33,8 +34,9 @@ COMPILED = (
 )
 INSTANCES = ROOT / "instances"
 LONG = (
-    "test_notebooks.py", "test_readme.py", "test_killed.py", "test_packaging.py",
-    "studies/test_compare.py", "test_cluster.py", "test_staging.py", "cli/test_screen.py",
+    "test_notebooks.py", "test_readme.py", "test_killed.py",
+    "cli/test_screen.py", "test_packaging.py", "test_cluster.py",
+    "report/test_page.py", "plots/test_names.py", "cli/test_compare.py",
 )  # fmt: skip
 """Files whose tests are long, or wait, or share what takes long to make; the longest first."""
 
