@@ -14,7 +14,10 @@ import pytest
 
 from msmrta_opt import cli, formulations
 from msmrta_opt.mission.errors import ModelError
+from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise import registry
+from msmrta_opt.stages.options import StagedOptions
+from msmrta_opt.studies.analysis.score import scores
 
 PAPER = "paper"
 HEAD = '''"""A program of its own."""
@@ -185,6 +188,14 @@ def test_no_plan_follows_from_it(
     (tmp_path / "quota.py").write_text(HEAD.format(more=DECLARED) + QUOTA)
     assert cli.run([*line, "--models", str(tmp_path)]) == 2
     assert "reads nothing of its data" in capsys.readouterr().err
+
+
+def test_there_is_no_plan_of_it_to_measure(tmp_path: Path, instances_dir: Path) -> None:
+    (tmp_path / "cover.py").write_text(HEAD.format(more="") + RIGHT["cover"][0])
+    registry.add_models(tmp_path)
+    paper = Instance.read(instances_dir / "paper.json")
+    found = scores([paper], stage="cluster", models=["cover"], options=StagedOptions())
+    assert list(found) == []
 
 
 @pytest.mark.parametrize(

@@ -135,9 +135,13 @@ def scores(
     time_limit: float | None = None,
     memory_limit: float | None = None,
 ) -> Iterator[Score]:
-    """`score` of every formulation on every instance, each in a process of its own."""
+    """`score` of every formulation on every instance, each in a process of its own.
+
+    Programs of their own, which read nothing of the mission, give no plan to measure.
+    """
     if stage not in STAGES:
         return
+    models = [model for model in models if _may_serve(model)]
     folders = tuple(str(folder) for folder in registry.folders())
     given = dict(parameters or {})
     calls = [(i, stage, model, options, given, folders) for i in instances for model in models]
@@ -152,6 +156,13 @@ def scores(
             if isinstance(result, Failure):
                 result = Score(calls[index][0].name, calls[index][2], message=result.message)
             yield result
+
+
+def _may_serve(model: str) -> bool:
+    try:
+        return registry.get(model).reads_data
+    except MsmrtaError:  # which its score will say
+        return True
 
 
 def _score_isolated(
