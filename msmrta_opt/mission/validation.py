@@ -9,7 +9,7 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from .errors import InputError, MistakesError, all_of, at, each_of, shown
+from .errors import InputError, all_of, at, each_of, shown
 from .files import NotFiniteError, parse_json, read_text, read_toml
 from .suggestions import meant
 
@@ -159,10 +159,8 @@ def _problem(
     kind, loc, context = found["type"], found["loc"], found.get("ctx", {})
     field = at(*loc)
     cause = context.get("error")
-    if isinstance(cause, MistakesError):
-        return MistakesError([said_of(field, each) for each in cause.each])
     if isinstance(cause, InputError):
-        return said_of(field, cause)
+        return all_of([said_of(field, each) for each in each_of(cause)])
     if kind == "value_error":
         return InputError(str(cause), field=field)
     if kind == "missing":

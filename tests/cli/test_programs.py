@@ -10,8 +10,6 @@ import pytest
 import typer
 from support.own_models import ENOUGH
 
-from msmrta_opt import cli, formulations
-from msmrta_opt.cli import programs
 from msmrta_opt.cli.proofs import check_proofs
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise.export import read_program
@@ -19,21 +17,6 @@ from msmrta_opt.optimise.solve import solve, solve_program
 from msmrta_opt.planners import plan
 
 Run = Callable[..., int]
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Run one command, with this group's commands registered and no folder of models kept."""
-    app = typer.Typer(pretty_exceptions_enable=False)
-    programs.register(app)
-    monkeypatch.setattr(cli, "app", app)
-    monkeypatch.setattr(formulations, "__path__", [*formulations.__path__])
-    return lambda *arguments: cli.run([str(argument) for argument in arguments])
-
-
-@pytest.fixture
-def paper_file(instances_dir: Path) -> Path:
-    return instances_dir / "paper.json"
 
 
 @pytest.fixture
@@ -48,7 +31,7 @@ def own_models(tmp_path: Path) -> Path:
 @pytest.mark.parametrize("suffix", [".mps", ".lp"])
 def test_export_writes_what_the_planner_solves(
     suffix: str,
-    run: Run,
+    msmrta: Run,
     paper: Instance,
     paper_file: Path,
     tmp_path: Path,
@@ -57,21 +40,23 @@ def test_export_writes_what_the_planner_solves(
     certificates = {item.model: item for item in plan(paper).certificates}
     for model in ("cluster_one_to_one", "victim_one_to_one"):
         file = tmp_path / f"{model}{suffix}"
-        assert run("export", model, paper_file, "-o", file) == 0
+        assert msmrta("export", model, paper_file, "-o", file) == 0
         assert capsys.readouterr().out == f"{model} written to {file}\n"
         found = solve_program(read_program(file)).objective
         assert found == pytest.approx(certificates[model].objective)
 
 
 def test_export_takes_parameters_options_and_folders_of_models(
-    run: Run, paper_file: Path, own_models: Path, tmp_path: Path
+    msmrta: Run, paper_file: Path, own_models: Path, tmp_path: Path
 ) -> None:
     file = tmp_path / "enough.mps"
     own = ["--models", own_models]
-    assert run("export", "cluster_enough", paper_file, "-o", file, *own, "--param", "need=3") == 0
+    assert (
+        msmrta("export", "cluster_enough", paper_file, "-o", file, *own, "--param", "need=3") == 0
+    )
     assert solve_program(read_program(file)).objective == pytest.approx(3.0)
     budget = ["--option", "budget=1"]
-    assert run("export", "cluster_budgeted", paper_file, "-o", file, *budget) == 0
+    assert msmrta("export", "cluster_budgeted", paper_file, "-o", file, *budget) == 0
     program = read_program(file)
     assert program.row_upper.tolist() == [1.0] * 8
 
@@ -94,7 +79,7 @@ def test_export_takes_parameters_options_and_folders_of_models(
 def test_bad_input_gets_one_line_and_exit_2_and_writes_nothing(
     arguments: list[str],
     problem: str,
-    run: Run,
+    msmrta: Run,
     paper_file: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -102,7 +87,7 @@ def test_bad_input_gets_one_line_and_exit_2_and_writes_nothing(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     given = [str(paper_file) if text == "INSTANCE" else text for text in arguments]
-    assert run("export", *given) == 2
+    assert msmrta("export", *given) == 2
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err.startswith("error: ")
@@ -124,16 +109,16 @@ End
 
 
 def test_the_program_of_a_file_is_solved_proved_checked_and_turned_into_the_other_format(
-    run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    msmrta: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Of a and c only one: b and a, at 8."""
     lp, mps, proof = (tmp_path / f"cover{suffix}" for suffix in (".lp", ".mps", ".vipr"))
     lp.write_text(COVER)
-    assert run("solve", lp, "--proof", proof, "--json", tmp_path / "found.json") == 0
+    assert msmrta("solve", lp, "--proof", proof, "--json", tmp_path / "found.json") == 0
     found = json.loads((tmp_path / "found.json").read_text())
     assert (found["status"], found["objective"]) == ("optimal", 8)
     assert "reads nothing" not in capsys.readouterr().out
-    assert run("export", lp, "-o", mps) == 0
+    assert msmrta("export", lp, "-o", mps) == 0
     assert solve(mps).objective == solve(read_program(lp)).objective == 8
     check_proofs([proof, mps], None, None)
     assert f"minimum in [8, 8], of {mps}" in capsys.readouterr().out
@@ -159,14 +144,14 @@ def test_the_program_of_a_file_is_solved_proved_checked_and_turned_into_the_othe
 def test_what_does_not_go_with_a_file_gets_one_line(
     arguments: list[str],
     message: str,
-    run: Run,
+    msmrta: Run,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("cover.lp").write_text(COVER)
-    assert run("solve", *arguments) == 2
+    assert msmrta("solve", *arguments) == 2
     error = capsys.readouterr().err
     assert (message in error, error.count("\n")) == (True, 1)
     assert Path("cover.lp").read_text() == COVER

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -15,6 +14,7 @@ from support.solver_contract import (
     KNOWN,
     able,
     every_solver,
+    record,
     refusal,
     solve,
 )
@@ -23,7 +23,7 @@ from msmrta_opt.mission.errors import SolverError
 from msmrta_opt.optimise.check import dual_bound
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solution import Solution
-from msmrta_opt.optimise.solvers import Options, Outcome, Solver, apart, get, solvers
+from msmrta_opt.optimise.solvers import Options, Solver, apart, get, solvers
 
 OPTIONS = {
     "time_limit": 10.0,
@@ -227,23 +227,6 @@ def test_an_option_that_is_not_declared_is_refused_by_name(name: str, option: st
         return
     with pytest.raises(SolverError, match=f"solver {name} cannot do {option}"):
         asked.solve(KNOWN["general integers"].asked, Options(**{option: OPTIONS[option]}))  # type: ignore[arg-type]
-
-
-def never(program: Program, options: Options) -> Outcome:
-    raise AssertionError("a solver that must not be asked was asked")
-
-
-def record(**changes: object) -> Solver:
-    able_to_nothing = Solver(
-        name="trial",
-        title="",
-        package="no-such-package",
-        module="numpy",
-        install="pip install trial",
-        abilities=frozenset(),
-        run=never,
-    )
-    return replace(able_to_nothing, **changes)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("option", OPTIONS)

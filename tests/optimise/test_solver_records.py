@@ -6,7 +6,6 @@ import os
 import pickle
 import subprocess
 import sys
-from dataclasses import replace
 
 import pytest
 from support.programs import INF, assert_solved_right, program
@@ -14,30 +13,13 @@ from support.solver_contract import (
     COMMERCIAL,
     FREE,
     KNOWN,
+    record,
     solve,
 )
 
 from msmrta_opt.mission.errors import InputError, SolverError
-from msmrta_opt.optimise.program import Program
-from msmrta_opt.optimise.solvers import Options, Outcome, Solver, apart, get, solvers
+from msmrta_opt.optimise.solvers import Options, apart, get, solvers
 from msmrta_opt.optimise.solvers.highs import new_highs
-
-
-def never(program: Program, options: Options) -> Outcome:
-    raise AssertionError("a solver that must not be asked was asked")
-
-
-def record(**changes: object) -> Solver:
-    able_to_nothing = Solver(
-        name="trial",
-        title="",
-        package="no-such-package",
-        module="numpy",
-        install="pip install trial",
-        abilities=frozenset(),
-        run=never,
-    )
-    return replace(able_to_nothing, **changes)  # type: ignore[arg-type]
 
 
 def test_integer_and_continuous_programs_are_refused_by_name() -> None:

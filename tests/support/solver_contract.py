@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -12,7 +12,7 @@ from support.programs import INF, program
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solution import Solution
 from msmrta_opt.optimise.solve import solve_program
-from msmrta_opt.optimise.solvers import Options, Solver, get
+from msmrta_opt.optimise.solvers import Options, Outcome, Solver, get
 
 FREE = ("highs", "scip", "cpsat", "glpk")
 COMMERCIAL = ("gurobi", "cplex", "xpress", "copt", "mosek")
@@ -40,6 +40,24 @@ def refusal(solver: Solver, asked: Program) -> str:
     if infinite and solver.name == "cpsat":
         return "solver cpsat cannot do infinite bounds"
     return ""
+
+
+def never(program: Program, options: Options) -> Outcome:
+    raise AssertionError("a solver that must not be asked was asked")
+
+
+def record(**changes: object) -> Solver:
+    """A solver that can do nothing, but for these `changes`."""
+    able_to_nothing = Solver(
+        name="trial",
+        title="",
+        package="no-such-package",
+        module="numpy",
+        install="pip install trial",
+        abilities=frozenset(),
+        run=never,
+    )
+    return replace(able_to_nothing, **changes)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
