@@ -209,7 +209,7 @@ class Solution:
         """Why there is no solution to show, and what to do; of one that is, what was said of it."""
         if self.status == "infeasible":
             said = self.message or "no point is feasible"
-            return (
-                f"{said}; `msmrta explain {self.formulation} INSTANCE` names the rows that conflict"
-            )
+            is_formulation = bool(self.digest)
+            how = f"`msmrta explain {self.formulation} INSTANCE`" if is_formulation else "`explain`"
+            return f"{said}; {how} names the rows that conflict"
         return self.message or ("" if self.found else self.check or "no feasible point")

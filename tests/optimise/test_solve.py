@@ -49,6 +49,8 @@ def test_any_linear_problem_of_cvxpy_and_any_arrays_are_solved() -> None:
     assert found.values["x"].tolist() == [2, 0]
     assert (found.formulation, found.digest, found.parameters) == ("the cvxpy problem", "", {})
     assert solve(program([[1.0, 1.0]], INF, [3.0, 5.0], row_lower=2.0, upper=4.0)).objective == 6
+    need.value = 9
+    assert solve(asked).reason.endswith("; `explain` names the rows that conflict")
     with pytest.raises(InputError, match="give a formulation, a file, a program or a cvxpy"):
         solve(3)
 
