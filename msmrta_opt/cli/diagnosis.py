@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .console import Json, write_json
-from .subjects import Folders, Mission, Options, Parameters, Subject, asked, numbers
+from .subjects import Folders, Mission, Options, Parameters, Subject, asked, values_of
 
 if TYPE_CHECKING:
-    from ..optimise.registry import Formulation
+    pass
 
 
 def register(app: typer.Typer) -> None:
@@ -105,9 +105,7 @@ def diff(
     if instance is not None or not search:
         first, data, _ = asked(model_a, instance, None, options, folders)
         second, _, _ = asked(model_b, instance, None, options, folders)
-        found = find(
-            first, second, data, time_limit=time_limit, **_shared(first, second, parameters)
-        )
+        found = find(first, second, data, time_limit=time_limit, **values_of(parameters))
         documents["difference"] = found.as_dict()
         texts.append(found.text)
     if search:
@@ -140,8 +138,7 @@ def _search(
     add_folders(folders)
     first, second = registry.get(model_a), registry.get(model_b)
     given = options_type(first.spec.stage).of(**named_values(options))
-    values = _shared(first, second, parameters)
-    found = witness(first, second, tries=tries, options=given, **values)
+    found = witness(first, second, tries=tries, options=given, **values_of(parameters))
     text = found.text
     if found.mission is not None and file is not None:
         found.mission.save(file)
@@ -153,27 +150,6 @@ def _search(
         "difference": None if found.difference is None else found.difference.as_dict(),
     }
     return document, text
-
-
-def _shared(
-    first: str | Formulation, second: str | Formulation, texts: list[str] | None
-) -> dict[str, Any]:
-    """The parameters of `texts`; each must be one of at least one formulation."""
-    from ..mission.errors import InputError
-
-    known = [
-        set() if isinstance(item, str) else set(item.spec.parameters) for item in (first, second)
-    ]
-    given: dict[str, Any] = {}
-    for text in texts or []:
-        name = text.partition("=")[0]
-        if not any(name in names for names in known):
-            there = ", ".join(sorted(known[0] | known[1])) or "none"
-            raise InputError(f"neither has such a parameter; there are {there}", field=name)
-        for item, names in zip((first, second), known, strict=True):
-            if name in names and not isinstance(item, str):
-                given[name] = numbers(item, [text])[name]
-    return given
 
 
 def _values(texts: list[str] | None) -> str | list[str] | None:

@@ -141,10 +141,11 @@ def _figures(metrics: Metrics) -> dict[str, object]:
 
 
 def _show_segments(result: Tradeoff, rows: list[dict[str, object]]) -> None:
+    from ..mission.counting import counted
     from .console import say, table
 
     columns = list(rows[0])
-    title = f"{result.model} over {result.over}: {len(rows)} pieces, {result.sense}"
+    title = f"{result.model} over {result.over}: {counted(len(rows), 'piece')}, {result.sense}"
     table(title, columns, [tuple(row.values()) for row in rows])
     for t, assignments in result.ties.items():
         more = " or more" if t in result.more_ties else ""

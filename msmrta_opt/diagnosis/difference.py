@@ -7,7 +7,7 @@ follow; without integers the point is kept as it is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -23,7 +23,7 @@ from ..optimise.scaling import objective_size
 from ..optimise.solution import Solution
 from ..optimise.solve import solve_program
 from ..optimise.solvers import Options
-from ..optimise.subject import Subject, subject
+from ..optimise.subject import Subject, own_parameters, subject
 from .clock import Clock
 from .conflict import find_conflict
 from .fixings import fixing_name, with_bounds, with_rows
@@ -204,20 +204,18 @@ def diff(
         If one cannot be built as a linear integer program.
     """
     clock = Clock(time_limit)
-    first, second = (_subject(what, data, parameters) for what in (a, b))
+    first, second = _subjects((a, b), data, parameters)
     with interruptible():
         return _difference(first, second, clock)
 
 
-def _subject(what: Any, data: Any, parameters: Mapping[str, float]) -> Subject:
+def _subjects(programs: Sequence[Any], data: Any, parameters: Mapping[str, float]) -> list[Subject]:
     from ..optimise import registry
     from ..optimise.export import is_program
-    from ..optimise.registry import Formulation
 
-    if isinstance(what, str) and not is_program(what):
-        what = registry.get(what)
-    own = what.takes(**parameters) if isinstance(what, Formulation) else {}
-    return subject(what, data, **own)
+    found = [registry.get(x) if isinstance(x, str) and not is_program(x) else x for x in programs]
+    own = own_parameters(found, parameters)
+    return [subject(x, data, **values) for x, values in zip(found, own, strict=True)]
 
 
 def _difference(a: Subject, b: Subject, clock: Clock) -> Difference:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from bisect import bisect_right
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -327,7 +328,7 @@ class Program:
             for block in self.columns
         }
 
-    def flat(self, values: dict[str, NDArray[np.float64]]) -> Floats:
+    def flat(self, values: Mapping[str, NDArray[np.float64]]) -> Floats:
         """The point that `shaped` takes apart; columns that are not named are NaN."""
         x = np.full(self.n_columns, np.nan)
         for block in self.columns:

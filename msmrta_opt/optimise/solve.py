@@ -8,7 +8,7 @@ out is shown only if it passes `check`.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -249,8 +249,11 @@ def _failed(solution: Solution, check: str) -> Solution:
     return replace(solution, status="error", bound=None, proof="", duals={}, check=check)
 
 
-def _start(program: Program, values: dict[str, Floats]) -> Floats:
+def _start(program: Program, values: Mapping[str, Floats]) -> Floats:
     known = {block.name: block.shape for block in program.columns}
+    if not isinstance(values, Mapping):
+        given = type(values).__name__
+        raise InputError(f"{given}; give arrays by variable, of {', '.join(known)}", field="start")
     for name, array in values.items():
         if name not in known:
             raise InputError(f"no variable {name!r}; there are {', '.join(known)}", field="start")

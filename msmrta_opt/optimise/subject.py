@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..mission.errors import InputError
+from ..mission.suggestions import meant
 from .compile import Compiled, compile_for, compile_formulation, parameter_values
 from .compile.canonical import UNLABELLED
 from .formats.files import is_program, read_program
@@ -76,11 +77,19 @@ def subject(what: Any, data: Any = None, **parameters: float) -> Subject:
     ModelError
         If it is no linear integer program.
     """
+    is_formulation = isinstance(what, Formulation) or (
+        isinstance(what, str) and not is_program(what)
+    )
+    if parameters and not is_formulation:
+        raise InputError(
+            "only formulations take parameters; set the value of a cvxpy problem's own",
+            field=next(iter(parameters)),
+        )
     if isinstance(what, Program):
         return Subject(what, "the program")
     if isinstance(what, (str, Path)) and is_program(what):
         return Subject(read_program(what), Path(what).name)
-    if isinstance(what, (str, Formulation)):
+    if is_formulation:
         compiled = compile_for(what, data)
         return Subject(
             compiled.program(**parameters),
@@ -100,6 +109,29 @@ def subject(what: Any, data: Any = None, **parameters: float) -> Subject:
     problem = _with_values(what)
     formulation = Formulation(name, Path("problem"), Spec("cluster", name), "", lambda _: problem)
     return Subject(compile_formulation(formulation, None).program(), name, problem)
+
+
+def own_parameters(
+    programs: Sequence[Any], parameters: Mapping[str, float]
+) -> list[dict[str, float]]:
+    """Those of `parameters` that each of `programs` has; only formulations have any.
+
+    Raises
+    ------
+    InputError
+        If none has one of them, or its value is out of its range.
+    """
+    formulations = [x for x in programs if isinstance(x, Formulation)]
+    known = list(dict.fromkeys(name for x in formulations for name in x.spec.parameters))
+    for name in parameters:
+        if name not in known:
+            there = ", ".join(known) or "none"
+            raise InputError(
+                f"neither has such a parameter{meant(name, known)}; there are {there}", field=name
+            )
+    for item in formulations:
+        parameter_values(item, item.takes(**parameters))
+    return [x.takes(**parameters) if isinstance(x, Formulation) else {} for x in programs]
 
 
 def _with_values(problem: cp.Problem) -> cp.Problem:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import cvxpy as cp
 import numpy as np
@@ -37,6 +39,40 @@ def test_a_program_does_not_differ_from_itself() -> None:
     assert found.is_none
     assert found.optima_differ is False
     assert found.text.splitlines()[0].endswith("are the same program.")
+
+
+@pytest.mark.parametrize(
+    ("programs", "given", "problem"),
+    [
+        (("victim_balanced", "victim_printed"), {"bta": 0.3}, r"bta: neither .* mean 'beta'\?\)"),
+        (("victim_balanced", "victim_printed"), {"beta": 7}, "beta: 7; give a number from 0 to 1"),
+        ((pairs(), "victim_printed"), {"psi": 0.3}, "psi: neither has such a parameter; .* beta"),
+        ((pairs(), pairs(2)), {"beta": 0.3}, "there are none"),
+    ],
+)
+def test_a_parameter_that_neither_program_has_is_refused(
+    programs: tuple[Any, Any], given: dict[str, float], problem: str, paper: mo.Instance
+) -> None:
+    with pytest.raises(InputError, match=problem):
+        mo.diff(*programs, mo.stage_data(paper, "victim"), **given)
+
+
+@pytest.mark.parametrize("ask", [mo.solve, mo.explain, mo.export])
+def test_parameters_of_what_is_no_formulation_are_refused(ask: Any, tmp_path: Path) -> None:
+    path = [tmp_path / "a.lp"] if ask is mo.export else []
+    for what in (pairs(), program([[1]], 1, 1)):
+        with pytest.raises(InputError, match="psi: only formulations take parameters"):
+            ask(what, None, *path, psi=0.3)
+
+
+def test_a_formulation_that_gets_no_data_says_what_to_give() -> None:
+    with pytest.raises(mo.ModelError, match=r"no data, give mo.stage_data\(mission, 'clu"):
+        mo.diff(pairs(), "cluster_fair")
+
+
+def test_a_start_that_is_no_mapping_is_refused() -> None:
+    with pytest.raises(InputError, match="start: list; give arrays by variable, of x"):
+        mo.solve(pairs(), start=[[1, 0], [0, 1]])
 
 
 def test_a_side_that_differs_is_named_by_row_and_label_and_so_is_what_it_does() -> None:

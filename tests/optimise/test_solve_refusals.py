@@ -29,6 +29,8 @@ from msmrta_opt.optimise.solve import solve
         ({"time_limit": float("nan")}, "time_limit: nan"),
         ({"gap": -0.1}, "gap: -0.1"),
         ({"threads": 0}, "threads: 0"),
+        ({"threads": 1.5}, "threads: 1.5; give a whole number"),
+        ({"seed": 0.5}, "seed: 0.5; give a whole number"),
         ({"seed": -1}, "seed: -1"),
         ({"seed": 2**31}, "seed: "),
         ({"start": {"y": np.zeros((2, 2))}}, "start: no variable 'y'; there are x"),

@@ -34,7 +34,10 @@ def built(formulation: Formulation, data: object) -> cp.Problem:
     try:
         problem = formulation.build(data)
     except Exception as error:
-        raise ModelError(f"{name}: build(data) failed: {_told(formulation, error)}") from error
+        asks = data is None and "NoneType" in str(error)
+        missing = f"; it had no data, {_right(formulation)}" if asks else ""
+        said = _told(formulation, error)
+        raise ModelError(f"{name}: build(data) failed: {said}{missing}") from error
     if not isinstance(problem, cp.Problem):
         raise ModelError(
             f"{name}: build(data) returned {type(problem).__name__}, not a Problem; return "
@@ -54,9 +57,12 @@ def built(formulation: Formulation, data: object) -> cp.Problem:
     return problem
 
 
+def _right(formulation: Formulation) -> str:
+    return f"give mo.stage_data(mission, {formulation.spec.stage!r})"
+
+
 def _require_data(formulation: Formulation, data: object) -> None:
-    stage = formulation.spec.stage
-    right = f"give mo.stage_data(mission, {stage!r})"
+    stage, right = formulation.spec.stage, _right(formulation)
     if isinstance(data, StageData) and data.stage != stage:
         raise ModelError(
             f"{formulation.name}: it is for data of stage {stage!r}, not {type(data).__name__} of "

@@ -57,10 +57,10 @@ class Options:
             raise InputError(f"{self.time_limit}; give seconds, 0 or more", field="time_limit")
         if self.gap is not None and not self.gap >= 0:
             raise InputError(f"{self.gap}; give a relative gap, 0 or more", field="gap")
-        if self.threads is not None and self.threads < 1:
-            raise InputError(f"{self.threads}; give 1 or more", field="threads")
-        if self.seed is not None and not 0 <= self.seed < 2**31:
-            raise InputError(f"{self.seed}; give 0 to 2147483647", field="seed")
+        if self.threads is not None and not (self.threads >= 1 and self.threads % 1 == 0):
+            raise InputError(f"{self.threads}; give a whole number, 1 or more", field="threads")
+        if self.seed is not None and not (0 <= self.seed < 2**31 and self.seed % 1 == 0):
+            raise InputError(f"{self.seed}; give a whole number, 0 to 2147483647", field="seed")
 
     def given(self) -> dict[str, object]:
         """The options that were set, a start only by the fact."""

@@ -12,6 +12,7 @@ from ...mission.generate import KINDS, generate_mission
 from ...mission.instance import Instance
 from ...mission.layouts import rubble
 from ...optimise.registry import Formulation
+from ...optimise.subject import own_parameters
 from ...stages.data import stage_data
 from ...stages.options import StagedOptions
 
@@ -85,7 +86,7 @@ def witness(
     Raises
     ------
     InputError
-        If they are of different stages, or `tries` is not positive.
+        If they are of different stages, `tries` is not positive, or a parameter is wrong.
     ModelError
         If one cannot be built on one of the missions.
     """
@@ -95,6 +96,7 @@ def witness(
         )
     if tries < 1:
         raise InputError(f"{tries}; give 1 or more", field="tries")
+    own_parameters((a, b), parameters)
     tried = failed = 0
     first: MsmrtaError | None = None
     unsettled = "a solve came to no optimum"

@@ -48,3 +48,5 @@ def test_formulations_of_two_stages_are_refused() -> None:
         witness(get("cluster_fair"), get("victim_covering"))
     with pytest.raises(InputError, match="tries: 0; give 1 or more"):
         witness(get("cluster_fair"), get("cluster_fair"), tries=0)
+    with pytest.raises(InputError, match="sti: neither has such a parameter"):
+        witness(get("cluster_fair"), get("cluster_fair"), sti=0.5)
