@@ -16,6 +16,7 @@ from studies.test_runner import unmeasured
 from support.studies import do, kept, many_runs
 
 from msmrta_opt.mission.errors import InputError
+from msmrta_opt.studies import runner
 from msmrta_opt.studies.cluster import on_cluster
 from msmrta_opt.studies.ledger import Ledger
 from msmrta_opt.studies.runner import run_study
@@ -98,7 +99,7 @@ def test_a_cluster_gives_the_same_rows_and_a_lost_worker_loses_nothing(
                 cluster.processes[-1].kill()
     (tmp_path / "here").mkdir()
     here = many_runs(tmp_path / "here", 10)
-    do(here)
+    do(here, execute=runner.here)
     assert unmeasured(kept(path)) == unmeasured(kept(here))
     assert len(kept(path)) == 10
 

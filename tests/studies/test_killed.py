@@ -17,6 +17,7 @@ from support import studies
 from support.misbehaviour import write_models
 from support.studies import do, kept, many_runs, write_study
 
+from msmrta_opt.studies import runner
 from msmrta_opt.studies.runs import runs
 from msmrta_opt.studies.specification import Study
 
@@ -83,7 +84,7 @@ def test_kills_lose_nothing_that_was_finished_and_redo_nothing(tmp_path: Path) -
     assert after.keys() == {run.key for run in runs(Study.read(path))}
     (tmp_path / "undisturbed").mkdir()
     undisturbed = many_runs(tmp_path / "undisturbed", N_RUNS)
-    do(undisturbed, jobs=2)
+    do(undisturbed, execute=runner.here)
     assert unmeasured(kept(path)) == unmeasured(kept(undisturbed))
 
 
