@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Mapping
 from functools import cached_property
 
@@ -41,13 +42,13 @@ class Facts:
     def at(self, robot: int, time: float) -> Cell:
         """Where a robot is at a time."""
         track = self.tracks[robot]
-        return track.cells[max(int(np.searchsorted(track.times, time, side="right")) - 1, 0)]
+        return track.cells[max(bisect_right(track.times, time) - 1, 0)]
 
     def places(self, robot: int, time: float) -> tuple[Cell, ...]:
         """Where a robot is at a time: several cells, where it is so quick that no time passes."""
         track = self.tracks[robot]
-        first = max(int(np.searchsorted(track.times, time, side="left")) - 1, 0)
-        return track.cells[first : int(np.searchsorted(track.times, time, side="right"))]
+        first = max(bisect_left(track.times, time) - 1, 0)
+        return track.cells[first : bisect_right(track.times, time)]
 
     @cached_property
     def seen(self) -> Mapping[int, tuple[float, int]]:

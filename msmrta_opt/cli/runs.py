@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -364,7 +365,7 @@ def _show(run: Run) -> None:
                 planned[visit.victim] = max(planned.get(visit.victim, 0.0), visit.departure)
     done = run.metrics.completion
     needs = {victim.id: len(victim.requirements) for victim in run.victims}
-    served = {v: sum(s.done and s.victim == v for s in run.services) for v in needs}
+    served = Counter(service.victim for service in run.services if service.done)
     table(
         "Victims: when the last of what was served was done",
         ["victim", "planned", "done", "served", "of"],

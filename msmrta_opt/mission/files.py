@@ -31,6 +31,7 @@ DEEPEST = 100
 """Levels of lists and tables within each other."""
 MAX_DIGITS = 300
 """Of a whole number; a longer one is beyond the range of a float."""
+_TOO_LARGE = 10**MAX_DIGITS
 NOT_FINITE = "{}; give a finite number"
 
 
@@ -232,7 +233,7 @@ Fault = tuple[tuple[str | int, ...], str]
 def _fault(value: Any, depth: int = 0, *, finite: bool = True) -> Fault | None:
     """The first place in a document at which something cannot be taken, and what."""
     if isinstance(value, int):
-        return None if abs(value) < 10**MAX_DIGITS else ((), _too_many_digits())
+        return None if -_TOO_LARGE < value < _TOO_LARGE else ((), _too_many_digits())
     if isinstance(value, float):
         return (
             ((), NOT_FINITE.format(shown(value))) if finite and not math.isfinite(value) else None
@@ -245,8 +246,14 @@ def _fault(value: Any, depth: int = 0, *, finite: bool = True) -> Fault | None:
         return None
     if depth == DEEPEST:
         raise RecursionError
-    for key, item in value.items() if isinstance(value, dict) else enumerate(value):
-        if fault := _fault(item, depth + 1, finite=finite) or _fault(key):
+    is_table = isinstance(value, dict)
+    for key, item in value.items() if is_table else enumerate(value):
+        if not is_table and type(item) is int and -_TOO_LARGE < item < _TOO_LARGE:
+            continue  # of cells there are millions
+        fault = _fault(item, depth + 1, finite=finite)
+        if fault is None and is_table:
+            fault = _fault(key)
+        if fault is not None:
             return (key, *fault[0]), fault[1]
     return None
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Bools, Ints
+from .counting import counted
 from .errors import InputError
 from .grid import Cell, GridMap
 from .instance import Instance, Robot, Victim
@@ -297,7 +298,7 @@ def _capabilities(
         )
     if n_robots * maximum < len(had):
         raise InputError(
-            f"{len(had)} kinds, but {n_robots} robots with at most {maximum} each have only "
+            f"{len(had)} kinds, but at most {maximum} for each of {counted(n_robots, 'robot')} make only "
             f"{n_robots * maximum}; give fewer kinds, more robots or more kinds a robot",
             field="kinds",
         )

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..interruption import interrupted
+from ..mission.errors import MsmrtaError
 from .parametric import Envelope, Family, Line
 from .program import Program
 from .solution import Solution
@@ -54,13 +55,18 @@ def frontier(family: Family, envelope: Envelope, *, maximum: int = 500) -> Front
     """
     points: list[Point] = []
     limit: Fraction | None = None
-    while len(points) < maximum and not interrupted():
-        line = _best(family, limit)
-        if line is None:
-            return Frontier(tuple(points), complete=True)
-        points.append(Point(line, _is_supported(line, envelope, family.exact)))
-        limit = line.at_one
-    is_all = not interrupted() and _best(family, limit) is None
+    is_all = False
+    try:
+        while not (is_all or interrupted()):
+            line = _best(family, limit)
+            is_all = line is None
+            if line is None or len(points) == maximum:
+                break
+            points.append(Point(line, _is_supported(line, envelope, family.exact)))
+            limit = line.at_one
+    except MsmrtaError:  # a solver that was interrupted has no proven optimum
+        if not interrupted():
+            raise
     return Frontier(tuple(points), complete=is_all)
 
 

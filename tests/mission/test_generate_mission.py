@@ -273,7 +273,7 @@ def test_random_missions_are_those_that_recorded_figures_were_measured_on() -> N
         ({"n_victims": 61}, "map: 65 robots and victims within reach on 64 connected cells"),
         ({"grid": grid_from_rows(["@@"])}, "map: 14 robots and victims .* 0 connected"),
         ({"unreachable": 0.2}, "unreachable: 2 victims out of reach, but the map has 0 free"),
-        ({"kinds": 13}, "kinds: 13 kinds, but 4 robots with at most 3 each have only 12"),
+        ({"kinds": 13}, "kinds: 13 kinds, but at most 3 for each of 4 robots make only 12"),
         # Each victim needs all six kinds, so one that no robot has is lacking ten times.
         (
             {"per_victim": (6, 6), "unmeetable": 0.1},

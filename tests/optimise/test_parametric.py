@@ -6,6 +6,8 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import count
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,12 +15,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.amounts import examples
 
-from msmrta_opt.mission.errors import ModelError
+from msmrta_opt.mission.errors import ModelError, SolverError
 from msmrta_opt.optimise.compile import compile_for
 from msmrta_opt.optimise.data import ClusterData, VictimData
 from msmrta_opt.optimise.frontier import frontier, optima
 from msmrta_opt.optimise.parametric import Envelope, Family, envelope
-from msmrta_opt.optimise.solve import solve
+from msmrta_opt.optimise.solution import Solution
+from msmrta_opt.optimise.solve import solve, solve_program
 
 Pair = tuple[Fraction, Fraction]
 
@@ -103,6 +106,30 @@ def test_the_frontier_is_every_point_that_no_other_beats(case: Case) -> None:
         )
         if touched:
             assert point.supported
+
+
+def test_a_frontier_that_is_interrupted_keeps_the_points_it_has(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Two robots, two clusters: (8, 1) and (2, 7) beat neither each other nor are beaten."""
+    first, second = np.array([[5.0, 1.0], [1.0, 3.0]]), np.array([[0.0, 3.0], [4.0, 1.0]])
+    data = ClusterData(first, second, np.full(2, 2))
+    family = Family(compile_for("cluster_one_to_one", data), "psi")
+    pieces = envelope(family)
+    whole = frontier(family, pieces)
+    assert (whole.complete, len(whole.points)) == (True, 2)
+    solves = count()
+
+    def interrupted_later(*arguments: Any, **options: Any) -> Solution:
+        if next(solves) < 2:  # one for each objective of the first point
+            return solve_program(*arguments, **options)
+        monkeypatch.setattr("msmrta_opt.optimise.frontier.interrupted", lambda: True)
+        raise SolverError("no_solution: interrupted")
+
+    monkeypatch.setattr("msmrta_opt.optimise.frontier.solve_program", interrupted_later)
+    found = frontier(family, pieces)
+    assert not found.complete
+    assert [x.line.at_zero for x in found.points] == [x.line.at_zero for x in whole.points[:1]]
 
 
 @given(case=cases(largest=2), numerator=st.integers(0, 6))
