@@ -179,14 +179,3 @@ def test_exit_statuses_reach_the_shell(corridor_file: Path, tmp_path: Path) -> N
     assert "arrives at" in told[1][1]
     assert "no such file" in told[2][1]
     assert all("Traceback" not in err for _, err in told.values())
-
-
-def test_a_reader_that_leaves_early_causes_no_traceback(paper_file: Path) -> None:
-    for arguments in (["plan", paper_file, "--planner", "greedy"], ["check", paper_file]):
-        process = start(*arguments)
-        assert process.stdout is not None
-        assert process.stderr is not None
-        process.stdout.close()
-        assert process.stderr.read() == ""
-        process.stderr.close()
-        assert process.wait() in (0, 1)
