@@ -27,7 +27,7 @@ TIGHT = 1e-9
 WIDE = 1e7
 """Ratio of numbers in one row from which tolerances of solvers hide the smaller."""
 LARGE = 5e3
-"""Size of whole numbers from which cuts, worked out in floats, may cut off what is better."""
+"""Size of whole numbers in a solution from which cuts, in floats, may have cut off a better one."""
 PRECISION = 1e-14
 """Relative, of sums of some products of floats."""
 LARGEST_EXACT = 2.0**53
@@ -170,12 +170,12 @@ def is_badly_scaled(program: Program) -> bool:
 
 
 def has_large_integers(program: Program, x: Floats) -> bool:
-    """Whether integers may be so large that solvers' cuts are not to be relied on, or are so in `x`."""
-    ends = np.maximum(np.abs(program.lower), np.abs(program.upper))
-    size = np.where(np.isfinite(ends), ends, np.abs(x))[
-        program.integer & (program.lower < program.upper)
-    ]
-    return bool((size >= LARGE).any())
+    """Whether integers are so large in `x` that solvers' cuts near it are not to be relied on.
+
+    Bounds do not matter: the smallest models have far ones that no row comes near.
+    """
+    free = program.integer & (program.lower < program.upper)
+    return bool((np.abs(x[free]) >= LARGE).any())
 
 
 def kinds_of_rows(program: Program) -> tuple[Bools, Bools]:

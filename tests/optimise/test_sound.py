@@ -341,6 +341,15 @@ def test_of_large_whole_numbers_no_solver_is_believed_alone(name: str, solver: s
         assert found.status in ("claimed", "error") or "dual values" in found.proof
 
 
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip", "glpk", "cpsat"])
+@pytest.mark.parametrize("far", [1e4, 1e6])
+def test_bounds_that_no_solution_comes_near_raise_no_doubt(solver: str, far: float) -> None:
+    # 2 x + 2 y + 4 z ≤ 7: three of x and y.
+    asked = program([[2, 2, 4]], 7, [3, 3, 5], upper=far, sense="max")
+    found = solve_program(asked, solver=solver)
+    assert (found.status, found.objective) == ("optimal", 9)
+
+
 def test_a_second_solver_that_agrees_leaves_no_doubt_of_large_whole_numbers() -> None:
     # 2 x + 4 y ≤ 59999, x + 3 y ≤ 40000: x = 29999, y = 0.
     found = solve_program(program([[2, 4], [1, 3]], [59999, 40000], [3, 5], upper=INF, sense="max"))
