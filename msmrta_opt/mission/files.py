@@ -247,7 +247,7 @@ def _fault(value: Any, depth: int = 0, *, finite: bool = True) -> Fault | None:
     if depth == DEEPEST:
         raise RecursionError
     is_table = isinstance(value, dict)
-    for key, item in value.items() if is_table else enumerate(value):
+    for key, item in value.items() if isinstance(value, dict) else enumerate(value):
         if not is_table and type(item) is int and -_TOO_LARGE < item < _TOO_LARGE:
             continue  # of cells there are millions
         fault = _fault(item, depth + 1, finite=finite)
