@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -180,12 +181,16 @@ def test_a_report_with_one_rule_broken_is_refused(name: str, plan: Plan) -> None
     assert any(problem in line for line in wrong), wrong
 
 
-def test_victims_are_not_hidden_by_scouts_that_are_not_there(instances_dir: Any) -> None:
+@pytest.mark.parametrize("hidden", [[1], [0, 1]])
+def test_victims_are_not_hidden_by_scouts_that_are_not_there(
+    hidden: list[int], instances_dir: Path
+) -> None:
     mission = Instance.read(instances_dir / "corridor.json")
-    document = make_plan(mission, planner="greedy").document()
-    document["routes"][0]["visits"] = []
+    document = make_plan(mission, planner="exact").document()
+    document["certificates"] = []
+    document["routes"][0]["visits"] = document["routes"][0]["visits"][: -len(hidden)]
     document["unserved"] = [
-        {"victim": v, "kind": "FirstAids", "reason": "not found by the scouts"} for v in (0, 1)
+        {"victim": v, "kind": "FirstAids", "reason": "not found by the scouts"} for v in hidden
     ]
     document["scouting"] = {
         "walk": "none",
@@ -193,7 +198,7 @@ def test_victims_are_not_hidden_by_scouts_that_are_not_there(instances_dir: Any)
         "seed": 0,
         "tracks": [],
         "finds": [],
-        "not_found": [0, 1],
+        "not_found": hidden,
         "coverage": [1.0],
         "ended": "covered",
     }

@@ -22,6 +22,13 @@ NEGATIVE = "x c 1 d 1\ny c 1\nx obj -3\ny obj -2"
 
 MPS_READ: dict[str, tuple[str, float]] = {
     "as it should be, split columns": (mps(), 11.5),
+    "split columns of a minimum": (
+        mps("x obj 1\nx c 1\ny obj 1\ny d 1\nx d 1", "rhs c 4 d 9", rows="N obj\nG c\nG d").replace(
+            "MAX", "MIN"
+        ),
+        9,
+    ),
+    "a column in three parts": (mps("x c 1\ny c 1\nx d 1\ny obj 2\nx obj 3"), 11.5),
     "Windows": (mps().replace("\n", "\r\n"), 11.5),
     "byte order mark": ("\ufeff" + mps(), 11.5),
     "remarks and blank lines": ("* one\n\n" + mps().replace("RHS\n", "* two\n\nRHS\n", 1), 11.5),

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from support.programs import INF, program
 
-from msmrta_opt.diagnosis.conflict import find_conflict
 from msmrta_opt.mission.errors import InputError, UnsupportedError
 from msmrta_opt.optimise.check import proves_infeasible
 from msmrta_opt.optimise.compile import compile_formulation
@@ -20,33 +19,6 @@ from msmrta_opt.optimise.solvers import Options, Outcome, get, solvers
 
 FREE = ("auto", "highs", "scip", "glpk")
 every = pytest.mark.parametrize("solver", FREE)
-
-
-def four_rows(sign: float) -> Program:
-    """Feasible at a, b, c, d, e, z = 0, 1, 4, 0, 1, 7, by hand."""
-    rows = [[0, 7, 0, 4, 0, 1], [0, 0, -5, 0, 0, 5], [6, 0, 2, 0, 7, 8], [-9, 0, 0, 0, 0, 7]]
-    return program(
-        rows,
-        [14, 17, INF, INF],
-        sign,
-        row_lower=[14, -INF, 67, 44],
-        upper=[1, 1, 4, 1, 1, 24],
-        integer=[True, True, True, True, True, False],
-        sense="max",
-    )
-
-
-@every
-@pytest.mark.parametrize("sign", [0.0, -1.0, 1.0, 0.5])
-def test_a_feasible_program_is_not_called_infeasible(solver: str, sign: float) -> None:
-    solution = solve_program(four_rows(sign), solver=solver)
-    assert solution.status == "optimal"
-    assert solution.objective == pytest.approx(13 * sign)
-
-
-@pytest.mark.parametrize("sign", [0.0, -1.0, 1.0])
-def test_a_feasible_program_is_not_explained_away(sign: float) -> None:
-    assert find_conflict(four_rows(sign)).status == "feasible"
 
 
 @every

@@ -22,16 +22,16 @@ def test_a_staged_plan_may_keep_its_robots_busy_beyond_the_endurance_of_eq_2(
     assert plan.metrics.makespan > 400
 
 
-def two_robots(speed: float = 1.0, victims: int = 1) -> Instance:
+def two_robots(speed: float = 1.0, victims: int = 1, service: float = 10) -> Instance:
     """Two robots, each beside its victims, by hand.
 
-    Robot 574 serves victim 952 where it stands, in 10; then it walks 2 cells for the B of each victim
-    656, 657, …, another 10 each. Robot 522 stands beside these and serves their A.
+    Robot 574 serves victim 952 where it stands, in 10, the service of B; then it walks 2 cells for the B
+    of each victim 656, 657, …, another 10 each. Robot 522 stands beside these and serves their A.
     """
     return Instance(
         map=grid_from_rows([".", ".", "."]),
         capabilities=("A", "B"),
-        service_time={"A": 1, "B": 10},
+        service_time={"A": 1, "B": service},
         robots=(
             Robot(id=574, start=(2, 0), speed=speed, capabilities=("B",)),
             Robot(id=522, start=(0, 0), speed=speed, capabilities=("A",)),
@@ -55,6 +55,8 @@ def within(endurance: float, mission: Instance) -> Plan:
         (two_robots(speed=0.5), 22, "24"),
         (two_robots(speed=3), 20, "20.6666666667"),
         (two_robots(speed=1e-9), 20, "2000000020"),
+        (two_robots(service=1e9), 1, "2000000002"),
+        (two_robots(service=0.25), 2, "2.5"),
     ],
 )
 def test_a_victim_for_whom_no_robot_has_the_time_is_named_with_the_time_that_is_needed(

@@ -82,12 +82,12 @@ def test_times_a_power_of_ten_as_long_are_solved_and_proved_alike(
     assert all(not found.problems for found in recheck(made))
 
 
-def doubled(mission: Instance, power: int) -> Instance:
-    """With all times 2 to the `power` times as long."""
-    service = {kind: time * 2.0**power for kind, time in mission.service_time.items()}
-    robots = (r.model_copy(update={"speed": r.speed / 2.0**power}) for r in mission.robots)
+def times_as_long(mission: Instance, factor: float) -> Instance:
+    """With all times `factor` times as long."""
+    service = {kind: time * factor for kind, time in mission.service_time.items()}
+    robots = (r.model_copy(update={"speed": r.speed / factor}) for r in mission.robots)
     assert not any(victim.service_time for victim in mission.victims)
-    return mission.replace(robots=tuple(robots), service_time=service)
+    return mission.replace(robots=tuple(robots), service_time=service, clusters=mission.clusters)
 
 
 @pytest.mark.parametrize("power", [-40, -7, 5, 60])
@@ -100,7 +100,7 @@ def test_local_search_decides_alike_in_units_that_differ_by_a_power_of_two(
     for objective in OBJECTIVES:
         plans = [
             mo.plan(one, planner=planner, objective=objective, **briefly)
-            for one in (mission, doubled(mission, power))
+            for one in (mission, times_as_long(mission, 2.0**power))
         ]
         assert decisions(plans[0]) == decisions(plans[1])
 
@@ -206,3 +206,73 @@ def test_first_routes_within_limits_do_not_depend_on_the_unit_of_time(power: int
     assert certificate.status == "optimal"
     assert certificate.objective == pytest.approx(107.5 * 10.0**power, rel=1e-9)
     assert problems(made) == []
+
+
+DAY, YEAR = 86400.0, 31557600.0
+
+
+@pytest.mark.parametrize("unit", [1e-9, 60.0, DAY, YEAR, 1e8, 1e9])
+@pytest.mark.parametrize("solver", ["auto", "highs", "scip"])
+@pytest.mark.parametrize(
+    ("name", "model", "least"),
+    [
+        # Robot 0 alone: 2 moves + 1, 1 move + 1; the paper's by its baselines of four solvers.
+        ("sum_or_max", "joint_routing_mtz", 5),
+        ("sum_or_max", "joint_routing_flow", 5),
+        ("paper", "victim_balanced", 530 / 3),
+    ],
+)
+def test_a_formulation_has_the_same_optimum_in_every_unit(
+    name: str, model: str, least: float, solver: str, unit: float, instances_dir: Path
+) -> None:
+    mission = times_as_long(Instance.read(instances_dir / f"{name}.json"), 1 / unit)
+    data = mo.stage_data(mission, "routing" if model.startswith("joint") else "victim")
+    found = mo.solve(model, data, solver=solver)
+    assert found.status in ("optimal", "claimed")
+    assert found.objective == pytest.approx(least / unit, rel=1e-6)
+    assert found.bound == pytest.approx(least / unit, rel=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1e-9, DAY, YEAR, 1e9])
+def test_the_papers_mission_is_proved_in_every_unit(unit: float, paper: Instance) -> None:
+    """The docs' certified value, 3655 / 3."""
+    made = mo.plan(times_as_long(paper, 1 / unit), planner="exact")
+    (certificate,) = made.certificates
+    assert certificate.status == "optimal"
+    assert certificate.objective == pytest.approx(3655 / 3 / unit, rel=1e-9)
+    assert all(not found.problems for found in recheck(made))
+
+
+@pytest.mark.parametrize(
+    ("objective", "least"),
+    [
+        # 5 moves to either victim, 2 between them.
+        ("makespan", lambda one, other: 7 + one + other),
+        ("total_time", lambda one, other: 7 + one + other),
+        ("latency", lambda one, other: min(12 + 2 * one + other, 12 + one + 2 * other)),
+    ],
+)
+@pytest.mark.parametrize("services", [(1, 1e-9), (1e-9, 1), (1, 1e-6), (1e-9, 1e-9), (1, 0)])
+def test_an_honest_bound_beside_a_service_of_next_to_nothing_is_proved_again(
+    services: tuple[float, float], objective: str, least: Expected
+) -> None:
+    rows = [".@@.@...@..@", "........@@@@", ".@.@...@.@..", "@........@.@", "..@...@.@..."]
+    mission = Instance(
+        map=grid_from_rows(rows),
+        capabilities=("k1", "k2"),
+        service_time=dict(zip(("k1", "k2"), services, strict=True)),
+        robots=(
+            Robot(id=532, start=(0, 6), speed=1, capabilities=()),
+            Robot(id=574, start=(2, 2), speed=1, capabilities=("k1", "k2")),
+        ),
+        victims=(
+            Victim(id=1, cell=(2, 5), requirements=("k2",)),
+            Victim(id=2**31 - 1, cell=(4, 5), requirements=("k1",)),
+        ),
+    )
+    made = mo.plan(mission, planner="exact", objective=objective)
+    (certificate,) = made.certificates
+    assert certificate.status == "optimal"
+    assert certificate.objective == pytest.approx(least(*services), rel=1e-12)
+    assert problems(made) == []
+    assert all(not found.problems for found in recheck(made))

@@ -112,6 +112,10 @@ def test_files_are_found_from_the_studys_folder_and_each_once(tmp_path: Path) ->
             "formulations[0].time_limit: 'a'; give a number",
         ),
         (
+            ("[[planners]]", "[[formulations]]\nstage='cluster'\ntime_limit='a'\n[[planners]]"),
+            "formulations[0].time_limit: 'a'; give a number",
+        ),
+        (
             ("[[planners]]", "[[formulations]]\nstage = 'cluster'\ngap = true\n[[planners]]"),
             "formulations[0].gap: True; give a number",
         ),
