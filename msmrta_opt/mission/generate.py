@@ -298,8 +298,8 @@ def _capabilities(
         )
     if n_robots * maximum < len(had):
         raise InputError(
-            f"{len(had)} kinds, but at most {maximum} for each of {counted(n_robots, 'robot')} make only "
-            f"{n_robots * maximum}; give fewer kinds, more robots or more kinds a robot",
+            f"{len(had)} kinds, but at most {maximum} for each of {counted(n_robots, 'robot')} make"
+            f" only {n_robots * maximum}; give fewer kinds, more robots or more kinds a robot",
             field="kinds",
         )
     counts = random.randint(minimum, maximum + 1, size=n_robots, dtype=np.int64)
