@@ -27,6 +27,7 @@ from .check import (
     proves_infeasible,
     settled,
 )
+from .compile.bound_tightening import tightened
 from .contradiction import BY_HAND
 from .program import Program
 from .scaling import objective_size, scaled, scaling
@@ -122,8 +123,8 @@ class Verifier:
 
     @cached_property
     def _is_badly_scaled(self) -> bool:
-        """Whether it is so as solvers get it."""
-        return is_badly_scaled(scaled(self.tight, scaling(self.tight)))
+        """Whether it is so as solvers get it, within the bounds that rows imply."""
+        return is_badly_scaled(scaled(tightened(self.tight), scaling(self.tight)))
 
     def _doubt(self, x: Floats) -> str:
         """Why an optimum at `x` is more than a solver can be relied on for; empty if it is not."""
