@@ -114,6 +114,15 @@ def fitted(text: str, size: float, width: float, *, bold: bool = False) -> str:
     return f"{line[:low].rstrip()}…"
 
 
+def as_many_as_fit(parts: Sequence[str], size: float, width: float, end: str = "") -> str:
+    """The first of `parts` in one line, no more than fit whole, and `end` after them.
+
+    The first is cut where it does not fit alone.
+    """
+    lines = [f"{' · '.join(parts[:n])}{end}" for n in range(len(parts), 0, -1)]
+    return next((x for x in lines if fitted(x, size, width) == x), fitted(lines[-1], size, width))
+
+
 @cache
 def width_of(text: str, size: float, *, bold: bool = False) -> float:
     """Points that a line of letters of `size` points takes."""

@@ -22,7 +22,7 @@ from .figure import POINTS_PER_INCH, Page
 from .gantt import gantt_height, plot_gantt, title_gantt
 from .key import Section, columns_below, draw_key, key_height
 from .legends import robot_handles
-from .lettering import as_written, fitted
+from .lettering import as_many_as_fit, as_written, fitted
 from .overview import LINES_OF
 from .paths import paths_handles, plot_paths
 from .scouting import plot_scouting, scouting_handles
@@ -178,11 +178,9 @@ def _write_title(page: Page, plan: Plan) -> None:
     name = fitted(name_of(instance), 12, max(room - 6.9 * len(made), 0.3 * room), bold=True)
     page.write(MARGIN, 0.1, fitted(name + made, 12, room, bold=True), 12, fontweight="bold")
     told = [
-        served_text(plan),
-        f"makespan {figures.makespan:g}",
+        f"{served_text(plan)} · makespan {figures.makespan:g}",
         f"total time {figures.total_time:g}",
         f"mean completion {figures.mean_completion:.4g}",
     ]
-    lines = [f"{' · '.join(told[:n])} time units" for n in range(len(told), 1, -1)]
-    line = next((line for line in lines if fitted(line, 9, room) == line), lines[-1])
-    page.write(MARGIN, 0.36, fitted(line, 9, room), 9, color=FAINT)
+    line = as_many_as_fit(told, 9, room, end=" time units")
+    page.write(MARGIN, 0.36, line, 9, color=FAINT)

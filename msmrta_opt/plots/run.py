@@ -19,7 +19,7 @@ from .figure import POINTS_PER_INCH, Page
 from .gantt import cut_handle, gantt_height, plot_gantt, title_gantt
 from .key import Section, columns_below, draw_key, key_height
 from .legends import mark_handle
-from .lettering import as_written, fitted
+from .lettering import as_many_as_fit, as_written, fitted
 from .marks import Group, Mark, number_of, unserved_victims
 from .mission import MARGIN, WIDTH, strip
 from .moments import LANE, moment_handles
@@ -66,7 +66,7 @@ def plot_run(run: Run) -> Figure:
         MARGIN, 0.1, fitted(f"{name_of(run.plan.instance)}: {says(run)}", 12, room, bold=True), 12,
         fontweight="bold",
     )  # fmt: skip
-    page.write(MARGIN, 0.36, fitted(_came_to(run), 9, room), 9, color=FAINT)
+    page.write(MARGIN, 0.36, as_many_as_fit(_came_to(run), 9, room), 9, color=FAINT)
     looks = [{}, {"tinted": _turned_up(run), "badges": _losses(run)}]
     items = [Item(*item) for item in zip(titles, plans, costs, looks, strict=True)]
     _, ax = draw_maps(page, items, TITLE, inner)
@@ -83,7 +83,7 @@ def plot_run(run: Run) -> Figure:
     return page
 
 
-def _came_to(run: Run) -> str:
+def _came_to(run: Run) -> list[str]:
     planned, done = run.plan.metrics, run.metrics
     parts = [
         f"{done.n_served} of {done.n_available} available requirements served",
@@ -92,7 +92,7 @@ def _came_to(run: Run) -> str:
     ]
     if done.replans:
         parts.append("replanned once" if done.replans == 1 else f"replanned {done.replans} times")
-    return " · ".join(parts)
+    return parts
 
 
 _CELLS: dict[What, tuple[dict[str, Any], str]] = {

@@ -17,7 +17,7 @@ from .figure import POINTS_PER_INCH, Page
 from .gantt import gantt_height, plot_gantt, title_gantt
 from .key import Section, columns_below, draw_key, key_height
 from .legends import mark_handle, robot_handles
-from .lettering import as_written, fitted
+from .lettering import as_many_as_fit, as_written, fitted
 from .mission import GAP, MARGIN, PANEL_TITLE, TICKS, WIDTH, strip
 from .overview import LINES_OF
 from .paths import paths_handles, plot_paths
@@ -65,7 +65,8 @@ def plot_two_plans(before: Plan, after: Plan, *, moved: Collection[tuple[int, st
     room = inner * POINTS_PER_INCH
     both = f"{name_of(before.instance)}: {says(before)} → {says(after)}"
     page.write(MARGIN, 0.1, fitted(both, 12, room, bold=True), 12, fontweight="bold")
-    page.write(MARGIN, 0.36, fitted(_differences(before, after), 9, room), 9, color=FAINT)
+    line = as_many_as_fit(_differences(before, after), 9, room)
+    page.write(MARGIN, 0.36, line, 9, color=FAINT)
     titles = [says(plan) for plan in plans]
     looks = {"faded": faded}
     items = [Item(title, plan, options=looks) for title, plan in zip(titles, plans, strict=True)]
@@ -148,13 +149,13 @@ def _height(plan: Plan, across: float) -> float:
     return min(max(across * n_rows / n_cols, 1.0), 6.2)
 
 
-def _differences(before: Plan, after: Plan) -> str:
+def _differences(before: Plan, after: Plan) -> list[str]:
     said = []
     for name in COMPARED:
         entry = METRICS[name]
         old, new = (float(getattr(plan.metrics, name)) for plan in (before, after))
         if old == new and name == "n_served":
             continue
-        change = f"{old:.5g} → {new:.5g} ({new - old:+.3g})" if new != old else f"{old:.5g} in both"
+        change = f"{old:.6g} → {new:.6g} ({new - old:+.6g})" if new != old else f"{old:.6g} in both"
         said.append(f"{entry.heading} {change}")
-    return " · ".join(said)
+    return said

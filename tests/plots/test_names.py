@@ -20,7 +20,16 @@ from msmrta_opt.mission.grid import GridMap
 from msmrta_opt.mission.instance import Instance
 from msmrta_opt.planners import plan as make_plan
 from msmrta_opt.plots import lettering
-from msmrta_opt.plots.lettering import BOX, name_ticks, shortened, told_apart
+from msmrta_opt.plots.lettering import (
+    BOX,
+    HINTED,
+    as_many_as_fit,
+    fitted,
+    name_ticks,
+    shortened,
+    told_apart,
+    width_of,
+)
 from msmrta_opt.studies.analysis.profile import performance_profile
 from msmrta_opt.studies.analysis.staging import Loss
 from msmrta_opt.studies.analysis.staging_picture import staging_losses
@@ -197,3 +206,12 @@ def test_cut_names_are_as_different_as_they_were_and_no_longer_than_said(names: 
     cut = told_apart(names)
     assert len(set(cut.values())) == len(set(names))
     assert all(len(said) <= 40 for said in cut.values())
+
+
+def test_of_what_a_line_says_as_much_is_said_as_fits_whole() -> None:
+    parts = ["makespan 590", "total time 1450", "mean completion 254.8"]
+    room = HINTED * width_of("makespan 590 · total time 1450 time units", 9) + 1
+    end = " time units"
+    assert as_many_as_fit(parts, 9, 1000, end=end) == f"{' · '.join(parts)}{end}"
+    assert as_many_as_fit(parts, 9, room, end=end) == f"{' · '.join(parts[:2])}{end}"
+    assert as_many_as_fit(parts, 9, 40) == fitted(parts[0], 9, 40)
