@@ -102,7 +102,9 @@ class Optimum:
                 dual = f", dual values {low}" if low == high else f", dual values {low} to {high}"
             lines.append(f"  {item.label}: {count}{slack}{dual}")
         if self.constraints and not self.solution.duals:
-            lines.append("  No dual values: the optimum was found by branching.")
+            how = self.solution.proof.endswith("dual values")
+            by = "with a big M reduced to what is needed" if how else "by branching"
+            lines.append(f"  No dual values: the optimum was found {by}.")
         with_duals = [row for row in self.binding if row.dual]
         if with_duals:
             lines.append("What one more of a side would gain at most, or cost at least:")

@@ -204,6 +204,8 @@ class Program:
             if np.isfinite(lower[row]) == np.isfinite(upper[row]):
                 continue
             self._tighten(row, data, lower, upper)
+        if np.array_equal(data, matrix.data):
+            return self
         tight = matrix.copy()
         tight.data = data
         return replace(self, matrix=tight, row_lower=lower, row_upper=upper)

@@ -166,7 +166,8 @@ def solve_program(
         solution = replace(solution, message=unbounded_along(program) or outcome.message)
     if options.start is not None:
         solution = replace(solution, start=_use_of(program, options.start, name, outcome))
-    if outcome.duals is not None:
+    # Of smaller coefficients they would be another program's: a row with a big M binds there alone.
+    if outcome.duals is not None and tight is program:
         solution = _with_duals(solution, program, outcome.duals)
     if outcome.x is None or outcome.status not in ("optimal", "feasible", "claimed"):
         return solution

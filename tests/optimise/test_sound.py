@@ -163,6 +163,19 @@ def test_the_dual_value_of_a_row_of_one_variable_is_no_bound_s(
     assert (found.status, found.duals["row {i}"].tolist()) == ("optimal", [right])
 
 
+@pytest.mark.parametrize("big", [1e7, 1e16])
+def test_a_row_that_does_not_bind_has_no_dual_value_of_a_smaller_big_m(big: float) -> None:
+    """x of at most 5 through a switch: at 5 and 1 the row has big - 5 left."""
+    switch = program([[1.0, -big]], 0.0, [1.0, -1.0], upper=[5.0, 1.0], sense="max")
+    found = solve_program(switch)
+    assert (found.status, found.objective, found.bound, found.duals) == ("optimal", 4, 4, {})
+    lp = solve_program(replace(switch, integer=np.zeros(2, dtype=bool)))
+    assert lp.duals["row {i}"].tolist() == pytest.approx([1 / big])
+    assert switch.with_tight_coefficients().matrix.data.tolist() == [1.0, -5.0]
+    whole = program([[1.0, -5.0]], 0.0, [1.0, -1.0], upper=[5.0, 1.0], sense="max")
+    assert whole.with_tight_coefficients() is whole
+
+
 def test_a_row_whose_only_coefficient_is_0_has_the_dual_value_0() -> None:
     wait = program([[1.0, 0.0], [1.0, 0.0]], INF, [1.0, 2.0], row_lower=[0.0, 3.0], upper=10.0)
     zero = wait.matrix.copy()
