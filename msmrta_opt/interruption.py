@@ -7,6 +7,7 @@ so that everything that comes after ends early, too, and what was found is still
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import sys
@@ -50,7 +51,11 @@ def listen_to_parent(asks: Callable[[], bool]) -> None:
 
 
 def until_interrupted(
-    work: Callable[[], object], end: Callable[[], object], *, patience: float | None = None
+    work: Callable[[], object],
+    end: Callable[[], object],
+    *,
+    patience: float | None = None,
+    limit: float | None = None,
 ) -> bool:
     """Do `work` in a thread, and call `end` again and again once the user asks, until it ends.
 
@@ -61,9 +66,11 @@ def until_interrupted(
     work, end : callable
         What to do, and what makes it end.
     patience : float, optional
-        Seconds from the user's wish on after which the work is left to itself; by default it is waited
-        for. What `end` tells it then is to be so in good time: the process ends only after it, or by
-        `leave`.
+        Seconds from the user's wish, or from `limit`, on after which the work is left to itself; by
+        default it is waited for. What `end` tells it then is to be so in good time: the process ends
+        only after it, or by `leave`.
+    limit : float, optional
+        Seconds after which it is to end as if the user asked.
 
     Returns
     -------
@@ -71,15 +78,17 @@ def until_interrupted(
         Whether it ended.
     """
     working = threading.Thread(target=work, daemon=patience is None)
-    asked: float | None = None
+    began, asked = time.monotonic(), math.inf
+    late = math.inf if limit is None else began + limit
     try:
         working.start()
         while working.is_alive():
             working.join(POLL_SECONDS)
-            if interrupted() and working.is_alive():
+            now = time.monotonic()
+            if (interrupted() or now > late) and working.is_alive():
                 end()
-                asked = asked or time.monotonic()
-                if patience is not None and time.monotonic() - asked > patience:
+                asked = min(asked, now)
+                if patience is not None and now - asked > patience:
                     _left.append(working)
                     return False
     except BaseException:

@@ -159,6 +159,15 @@ def test_work_that_does_not_end_is_left_to_itself_and_the_process_does_not_wait_
     assert ends == [130]
 
 
+def test_work_is_told_to_end_at_its_limit_and_left_to_itself_where_it_does_not() -> None:
+    told = threading.Event()
+    assert until_interrupted(lambda: told.wait(), told.set, patience=3600.0, limit=0.0)
+    assert told.is_set()
+    goes_on = threading.Event()
+    assert not until_interrupted(goes_on.wait, lambda: None, patience=0.0, limit=0.0)
+    goes_on.set()
+
+
 def test_work_is_told_to_end_where_ctrl_c_raises() -> None:
     told = threading.Event()
 

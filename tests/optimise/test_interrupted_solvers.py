@@ -59,9 +59,7 @@ def test_highs_that_does_not_end_leaves_its_incumbent_and_bound_behind(
     worth = random.integers(1, 1000, 80) * (1 if sense == "max" else -1)
     trial = program(weights, weights.sum(axis=1) // 2, worth, sense=sense, offset=offset)
     right = highs.run(trial, Options(gap=0.02))
-    monkeypatch.setattr(
-        highs, "until_interrupted", lambda work, end, patience: bool(work()) and False
-    )
+    monkeypatch.setattr(highs, "until_interrupted", lambda work, end, **_: bool(work()) and False)
     found = highs.run(trial, Options(gap=0.02))
     assert (right.status, found.status, found.message) == ("optimal", "feasible", highs.LEFT)
     assert found.x is not None

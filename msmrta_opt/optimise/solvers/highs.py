@@ -24,7 +24,7 @@ WITHOUT_JUMPS = ("mip_heuristic_run_feasibility_jump", False)
 """This heuristic crashes on some programs that have integers without bounds."""
 PATIENCE = 0.5
 """Seconds that HiGHS has to end once the user asks for it."""
-LEFT = "Interrupted"
+LEFT = "Interrupted, or beyond its time limit"
 STRICTEST = 1e-10
 """The smallest tolerance for rows that HiGHS takes."""
 
@@ -52,7 +52,7 @@ def run(program: Program, options: Options) -> Outcome:
         known = np.flatnonzero(np.isfinite(options.start))
         highs.setSolution(len(known), known.astype(np.int32), options.start[known])
     if size > SMALL and whole.any():
-        left = _searched(highs, program)
+        left = _searched(highs, program, options.time_limit)
         if left is not None:
             return left
     else:
@@ -63,10 +63,11 @@ def run(program: Program, options: Options) -> Outcome:
     return _outcome(highspy, highs, program)
 
 
-def _searched(highs: Any, program: Program) -> Outcome | None:
-    """Run HiGHS' branch and bound; if the user asks to end and it does not, what it has by then.
+def _searched(highs: Any, program: Program, limit: float | None) -> Outcome | None:
+    """Run HiGHS' branch and bound; if it is to end and does not, what it has by then.
 
-    It looks at nothing while a heuristic solves a part of the program, for half a minute at times.
+    It looks at nothing while a heuristic solves a part of the program, for half a minute at times, nor
+    at the clock on its way back from a deep dive.
     """
     found = Outcome("no_solution", nodes=0, proof="branch and bound", message=LEFT)
     is_left = False
@@ -91,7 +92,8 @@ def _searched(highs: Any, program: Program) -> Outcome | None:
 
     highs.cbMipImprovingSolution += improving
     highs.cbMipInterrupt += look
-    return None if until_interrupted(highs.run, end, patience=PATIENCE) else found
+    late = None if limit is None else 1.05 * limit + PATIENCE
+    return None if until_interrupted(highs.run, end, patience=PATIENCE, limit=late) else found
 
 
 def new_highs() -> Any:
