@@ -34,8 +34,9 @@ NEVER = 1 << 61
 """The cost of what cannot be: two of them still are a number."""
 _MAX_CELLS = 40_000_000
 """States times steps of a robot, beyond which memory would run out."""
-_MAX_STEPS = 100_000
-"""Of a leg or a service: a robot of 1e-9 cells in a time unit would have no end of them."""
+_MAX_STEPS = 20_000
+"""Up to a robot's last deadline, as many as the planner may have, and of a leg or a service hardly more:
+a robot of 1e-9 cells in a time unit would have no end of them."""
 _MAX_TASKS = 12
 """Of a robot at a victim; all sets of them are options."""
 
@@ -80,7 +81,7 @@ class Network:
     robot : int
         Whose network.
     step : Fraction
-        Its step of time, in time units.
+        Its step of time, in time units; a longer one is taken where there would be too many.
     deadlines : dict
         When each victim is complete at the latest, if anything is known.
 
@@ -98,7 +99,7 @@ class Network:
         step: Fraction,
         deadlines: Deadlines,
     ) -> None:
-        self.robot, self.step = robot, step
+        self.robot = robot
         self.victims = victims = joint.victims_of[robot]
         m = len(victims)
         able = {
@@ -107,8 +108,10 @@ class Network:
         if many := [v for v in victims if len(able[v]) > _MAX_TASKS]:
             raise CheckError(f"robot {robot} has too many tasks at victim {many[0]} to count with")
         self.options = [_options(able[v]) for v in victims]
-        # What is longer may as well be as long: bounds only get lower.
-        maximum = step * _MAX_STEPS
+        # Longer steps, and legs that are as long as what is longer: bounds only get lower.
+        due = [deadline for v in victims if (deadline := deadlines[v]) is not None]
+        self.step = step = max([step, *(deadline / _MAX_STEPS for deadline in due)])
+        maximum = step * (_MAX_STEPS + 1)
         latest = last_services(joint, robot, deadlines, maximum)
         lasts = [math.floor(latest[v] / step) for v in victims]
         self.last = max(0, *lasts)

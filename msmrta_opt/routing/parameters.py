@@ -144,7 +144,7 @@ class BranchAndPriceParameters:
     """Victims in a neighbourhood to begin with, itself included."""
     largest_neighbourhood: Annotated[Count, Le(47)] = 40
     """Victims in a neighbourhood at the maximum."""
-    maximum_steps: Count = 4000
+    maximum_steps: Annotated[Count, Le(20_000)] = 4000
     """Of time up to a robot's horizon; beyond them times are rounded down to coarser ones."""
     maximum_cells: Count = 20_000_000
     """States times steps of one network, beyond which neighbourhoods grow no more."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 from fractions import Fraction
 from functools import cache
@@ -13,8 +14,10 @@ import pytest
 from support.amounts import sample
 from support.joint_oracle import minimum
 
-from msmrta_opt.certify.certificates import worth
+from msmrta_opt.certify.certificates import recheck, worth
 from msmrta_opt.certify.joint_problem import Joint
+from msmrta_opt.certify.ng_routes import Network
+from msmrta_opt.certify.plan import problems
 from msmrta_opt.certify.pricing_bound import pricing_bound
 from msmrta_opt.certify.scheduling_bound import scheduling_bound
 from msmrta_opt.mission.errors import CheckError
@@ -86,6 +89,57 @@ def test_long_time_steps_prove_less_and_never_more(corridor: Joint) -> None:
     """In steps of 2 the legs of 1, 3 and 4 are 0, 1 and 2 steps: done at 2 and 2 + 4 + 2 = 8."""
     slow = [{"robot": 0, "length": 2}]
     assert by_hand(corridor, time_steps=slow, worth=20) <= 10
+
+
+@pytest.mark.parametrize("length", [5e-324, 1e-300, 1e-9, 1e-5])
+def test_steps_without_end_are_counted_in_longer_ones(length: float, corridor: Joint) -> None:
+    """No more than is true is proved, and in as many steps as a search may have."""
+    deadlines = {0: Fraction(7), 1: Fraction(16)}
+    tasks = {v: ((v, (KIND,)),) for v in (0, 1)}
+    network = Network(corridor, tasks, 0, Fraction(length), deadlines)
+    assert network.last <= 20_000
+    assert network.last * network.step <= 16
+    assert by_hand(corridor, time_steps=[{"robot": 0, "length": length}], worth=20) <= 12
+
+
+@pytest.mark.parametrize("number", [1e-300, 1e17, 1e30, 1e300, 1.7e308])
+def test_numbers_of_any_size_prove_no_more_than_is_true(number: float, corridor: Joint) -> None:
+    late = {"breakpoints": [{"victim": 0, "times": [number]}]}
+    for forged in (
+        changed({"dual": number}, {}),
+        changed({"dual": -number}, {"dual": number}),
+        changed({"densities": [0, 1]}, {}, **late),
+        changed({"densities": [1, 0]}, {}, **late),
+    ):
+        assert by_hand(corridor, forged, worth=20) <= 12
+    if number > 1:
+        with pytest.raises(CheckError, match="a leg takes no step"):
+            by_hand(corridor, time_steps=[{"robot": 0, "length": number}], worth=20)
+
+
+FORGED_STEPS: dict[str, dict[int, float]] = {
+    # The time steps of the robots of a plan of the planner, of which one was changed in the file.
+    "as it is": {},
+    "mended": {2: 10 / 7},
+    "one without end": {2: 1e-300},
+    "all without end": dict.fromkeys(range(4), 5e-324),
+    "a hundredth": {1: 0.0016, 3: 0.0077},
+}
+
+
+@pytest.mark.parametrize("name", FORGED_STEPS)
+def test_a_bound_beside_changed_time_steps_is_refused_for_what_is_proved(name: str) -> None:
+    file = Path(__file__).parents[1] / "data" / "earlier_plans" / "tampered_step.json"
+    document = json.loads(file.read_text())
+    for robot, length in FORGED_STEPS[name].items():
+        document["certificates"][0]["pricing"]["clocks"][robot]["length"] = length
+    plan = Plan.model_validate(document)
+    assert problems(plan) == []
+    (found,) = recheck(plan)
+    assert found.proved is not None
+    assert float(found.proved) <= minimum(problem_of(plan), "latency") + 1e-6
+    (problem,) = found.problems
+    assert problem.startswith("the root bound is 344.431753, but only ")
 
 
 def test_what_one_round_rules_out_the_next_does_not_see(corridor: Joint) -> None:

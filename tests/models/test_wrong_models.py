@@ -11,15 +11,14 @@ import os
 import re
 import shutil
 import signal
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from support.commands import commands
 
-from msmrta_opt import cli, formulations
+from msmrta_opt import cli
 from msmrta_opt.cli import watch
 from msmrta_opt.mission.errors import MsmrtaError
 from msmrta_opt.mission.instance import Instance
@@ -82,30 +81,6 @@ def mission() -> Instance:
 def data(mission: Instance) -> StageData:
     found: StageData = stage_data(mission, "victim")
     return found
-
-
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder of one's own models, where files are put one by one; nothing of it is kept."""
-    monkeypatch.setattr(formulations, "__path__", [*formulations.__path__, str(tmp_path)])
-    yield tmp_path
-    for path in tmp_path.glob("*.py"):
-        sys.modules.pop(f"{formulations.__name__}.{path.stem}", None)
-
-
-@pytest.fixture
-def told(capsys: Capture) -> Callable[..., tuple[int, str]]:
-    """The exit status of a command, and the line that it says: its error, or its output."""
-
-    def run(*arguments: object) -> tuple[int, str]:
-        capsys.readouterr()
-        status = cli.run([str(argument) for argument in arguments])
-        out, err = capsys.readouterr()
-        assert err.count("\n") <= 1
-        assert err.startswith("error: ") or not err or arguments[0] == "check"
-        return status, err or out
-
-    return run
 
 
 def test_there_are_at_least_thirty_and_each_is_another() -> None:
