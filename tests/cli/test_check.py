@@ -113,18 +113,40 @@ def test_with_no_time_the_explicit_model_proves_nothing_and_says_so(
     assert capsys.readouterr().out.splitlines()[-1].endswith("the claim is not proved again")
 
 
-def test_a_claim_that_the_explicit_model_contradicts_is_refused(
-    msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
+@pytest.mark.parametrize(
+    ("root", "bound", "proved"),
+    [
+        (NO_DUALS, 11.0, False),
+        (DUALS, 11.0, False),  # the root's bound is right, and is all that is proved
+        (DUALS, 9.5, False),
+        (DUALS | {"bound": 8}, 10.0, False),
+        (NO_DUALS, 9.0, True),
+    ],
+)
+def test_what_is_beyond_the_root_is_only_claimed_until_the_explicit_model_confirms_or_contradicts_it(
+    root: Document,
+    bound: float,
+    proved: bool,
+    msmrta: Run,
+    document: Document,
+    tmp_path: Path,
+    capsys: Capture,
 ) -> None:
-    changes: Document = {"root": NO_DUALS, "proof": "branch and cut", "bound": 11.0}
+    """Of the plan worth 11, where 9 is the least."""
+    status = "optimal" if bound == 11 else "feasible"
+    changes: Document = {"root": root, "proof": "branch and cut", "bound": bound, "status": status}
     worse = backwards(document)
     del worse["search"]  # which has found better
-    file = written(worse, tmp_path, **changes)
+    file = written(worse, tmp_path, **changes, gap=(11 - bound) / 11)
     assert msmrta("check", file, "--bound") == 3
+    assert msmrta("check", file, "--bound", "--strict") == 1
     capsys.readouterr()
-    assert msmrta("check", file, "--bound", "--time-limit", "60") == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.endswith("on joint_routing_flow finds 9, below the bound 11 that is claimed")
+    assert msmrta("check", file, "--bound", "--time-limit", "60") == (0 if proved else 1)
+    if not proved:
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.endswith(
+            f"on joint_routing_flow finds 9, below the bound {bound:g} that is claimed"
+        )
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -323,63 +321,6 @@ def test_a_maximisation_is_a_minimisation_in_an_mps_file_and_says_so(tmp_path: P
     costs = [line.split()[2] for line in lines if re.match(r" {4}\S+ +obj ", line)]
     assert costs == ["-3", "2", "-1"]
     assert "OBJSENSE" not in path.read_text()
-
-
-@pytest.fixture(scope="session")
-def decimal_comma(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """The environment in which the locale ``comma`` writes 1,5 for 1.5."""
-    folder = tmp_path_factory.mktemp("locales")
-    try:
-        subprocess.run(
-            ["localedef", "-i", "de_DE", "-f", "UTF-8", folder / "comma"], check=True, timeout=60
-        )
-    except (FileNotFoundError, subprocess.CalledProcessError):
-        pytest.skip("no localedef here that makes a locale with a decimal comma")
-    return {"LOCPATH": str(folder)}
-
-
-@both_formats
-def test_a_locale_with_decimal_commas_changes_nothing(
-    suffix: str, tmp_path: Path, decimal_comma: dict[str, str]
-) -> None:
-    code = """
-import ctypes, locale, os, sys
-from dataclasses import replace
-locale.setlocale(locale.LC_NUMERIC, "comma")
-assert locale.localeconv()["decimal_point"] == ","
-strtod = ctypes.CDLL(None).strtod
-strtod.restype = ctypes.c_double
-assert strtod(b"2,5", None) == 2.5  # as readers written in C read it
-from msmrta_opt.optimise.export import read_program, write_program
-for written, again in zip(sys.argv[1::2], sys.argv[2::2]):
-    write_program(read_program(written), again)
-    print(read_program(again).offset, read_program(again).cost.tolist())
-"""
-    trials = [
-        program([[1 / 3, 0.123456789012346]], 1e-3, [1 / 3, -2.5], upper=0.5, offset=1e-7),
-        program([[0.333]], 0.5, [0.25], upper=1.5, integer=False),  # decimals below 1 everywhere
-        program([[1.5, 2.5]], 4.5, [0.5, 1.5], upper=2.5, integer=False, offset=-2.5),
-        program([[0.1, 1e-5]], 7.25, [1e-9, 1e9], row_lower=0.75, lower=-0.5, integer=False),
-    ]
-    pairs = [(tmp_path / f"{n}{suffix}", tmp_path / f"{n}b{suffix}") for n in range(len(trials))]
-    for trial, (before, _) in zip(trials, pairs, strict=True):
-        write_program(trial, before, name="t")
-    said = subprocess.run(
-        [sys.executable, "-c", code, *(str(path) for pair in pairs for path in pair)],
-        env={"PYTHONPATH": ":".join(sys.path), **decimal_comma},
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    assert said.stdout.splitlines() == [
-        "1e-07 [0.3333333333333333, -2.5]",
-        "0.0 [0.25]",
-        "-2.5 [0.5, 1.5]",
-        "0.0 [1e-09, 1000000000.0]",
-    ]
-    for trial, (before, after) in zip(trials, pairs, strict=True):
-        assert after.read_text().splitlines()[1:] == before.read_text().splitlines()[1:]
-        assert_same(read_program(after), trial)
 
 
 def test_a_file_that_is_not_there_is_an_error_of_the_users(tmp_path: Path) -> None:

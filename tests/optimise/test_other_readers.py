@@ -232,3 +232,23 @@ def test_parameters_are_those_asked_for(files: dict[str, Wanted], paper: Instanc
     by_name = {path.name: value for path, value in files["formulations"].items()}
     for psi, worth in {0.0: data.w, 1.0: data.w_full}.items():
         assert by_name[f"cluster_printed{psi}.lp"] == float(worth.max(axis=0).sum())
+
+
+@pytest.mark.parametrize(
+    ("name", "best"),
+    [
+        ("cluster_one_to_one", 6.15),
+        ("cluster_printed", 6.25),
+        ("cluster_distance", 2.35),
+        ("victim_balanced", 530 / 3),
+        ("victim_bottleneck", 156.25),
+        ("victim_one_to_one", 1340 / 3),
+    ],
+)
+def test_what_is_sought_in_the_papers_files_is_its_optimum(
+    name: str, best: float, files: dict[str, Wanted]
+) -> None:
+    """Maxima for clusters, which an MPS file negates; minima for victims, the relaxation's below."""
+    by_name = {path.name: value for path, value in files["formulations"].items()}
+    assert by_name[f"{name}.lp"] == best
+    assert by_name[f"{name}.mps"] == (-best if name.startswith("cluster") else best)
