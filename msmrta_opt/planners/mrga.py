@@ -97,7 +97,7 @@ def allocate(
     if not todo:
         return []
     measure = _by_search(situation) if distances == "search" else _by_table(situation)
-    cells = [instance.cells[v] for v, _ in todo]
+    cells = [situation.cells[v] for v, _ in todo]
     victim = np.array([v for v, _ in todo])
     kind = np.array([k for _, k in todo])
     service = instance.service[victim, kind]
@@ -121,24 +121,32 @@ def allocate(
             distance = measure(position[robot], [cells[g] for g in near])
             give(robot, int(near[distance.argmin()]), float(distance.min()))
 
+    # What each robot would take next changes for who has just taken a goal, or wanted that goal.
+    cost = np.full(able.shape, np.inf)
+    best = np.zeros(instance.n_robots, dtype=np.int64)
+    moved = list(range(instance.n_robots))
     while is_open.any():
-        left = np.flatnonzero(is_open)
-        cost = np.full((instance.n_robots, len(left)), np.inf)
-        for robot in range(instance.n_robots):
-            can = np.flatnonzero(able[robot, left])
-            which = left[can]
+        for robot in moved:
+            which = np.flatnonzero(is_open & able[robot])
             distance = measure(position[robot], [cells[g] for g in which])
             if taken[robot]:
-                same = redundancy[which][:, None] == redundancy[taken[robot]][None, :]
-                aborted = same.sum(axis=1) * service[which]
+                times = np.bincount(redundancy[taken[robot]], minlength=instance.n_robots + 1)
+                aborted = times[redundancy[which]] * service[which]
                 distance = (
                     alpha * (service[which] + makespan[robot])
                     + (1 - alpha + beta) * distance
                     + beta * aborted / redundancy[which]
                 )
-            cost[robot, can] = distance
-        cheapest = np.unravel_index(cost.argmin(), cost.shape)
-        give(int(cheapest[0]), int(left[cheapest[1]]), float(cost[cheapest]))
+            cost[robot] = np.inf
+            cost[robot, which] = distance
+        changed = np.union1d(np.flatnonzero(~is_open[best]), moved)
+        best[changed] = cost[changed].argmin(axis=1)
+        robot = int(cost[np.arange(instance.n_robots), best].argmin())
+        goal = int(best[robot])
+        give(robot, goal, float(cost[robot, goal]))
+        cost[:, goal] = np.inf
+        # As published, every distance is a search anew.
+        moved = list(range(instance.n_robots)) if distances == "search" else [robot]
 
     return [
         stop

@@ -68,7 +68,7 @@ def queue_of(situation: Situation, robot: int, taken: Sequence[Goal], stage: str
     """
     stops: list[Stop] = []
     for v, k in taken:
-        cell = situation.instance.cells[v]
+        cell = situation.cells[v]
         if stops and stops[-1].victim == v:
             stops[-1] = Stop(robot, cell, stage, v, (*stops[-1].kinds, k))
         else:
