@@ -16,10 +16,13 @@ from support.programs import program
 from msmrta_opt import interruption
 from msmrta_opt.diagnosis.conflict import find_conflict
 from msmrta_opt.isolation import Worker
+from msmrta_opt.mission.instance import Instance
 from msmrta_opt.optimise.check import violations
+from msmrta_opt.optimise.compile import compile_for
 from msmrta_opt.optimise.program import Program
 from msmrta_opt.optimise.solve import solve_program
 from msmrta_opt.optimise.solvers import Options, glpk, highs
+from msmrta_opt.stages.data import stage_data
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +40,18 @@ def test_a_solver_that_is_asked_to_end_ends(
 ) -> None:
     monkeypatch.setattr(interruption._now, "of_parent", lambda: True)
     solution = solve_program(endless, solver=solver)
+    assert solution.status in ("feasible", "no_solution")
+    assert solution.found == (solution.status == "feasible")
+
+
+@pytest.mark.parametrize("name", ["loops", "rooms", "halls"])
+def test_highs_asked_to_end_ends_in_a_model_of_all_routes(
+    name: str, instances_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mission = Instance.read(instances_dir / "suite" / f"{name}.json")
+    asked = compile_for("joint_routing_mtz", stage_data(mission, "routing")).program()
+    monkeypatch.setattr(interruption._now, "of_parent", lambda: True)
+    solution = solve_program(asked, solver="highs")
     assert solution.status in ("feasible", "no_solution")
     assert solution.found == (solution.status == "feasible")
 
