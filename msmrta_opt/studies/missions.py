@@ -163,7 +163,7 @@ def _files(study: Study, table: InstanceFiles) -> list[Path]:
             matches = [shipped_instances()[pattern]]
         if not matches:
             near = meant(pattern, shipped_instances())
-            raise InputError(f"{pattern!r} matches no file{near}", field="files", file=study.path)
+            raise InputError(f"{pattern!r} matches no file{near}", field="files")
         found.update(dict.fromkeys(matches))
     return list(found)
 
