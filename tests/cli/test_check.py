@@ -261,18 +261,6 @@ def test_a_plan_beside_several_missions_is_for_one_of_them_or_held_against_the_c
     )
 
 
-def test_every_problem_of_a_plan_is_shown_a_line_each(
-    msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
-) -> None:
-    document["routes"][0]["visits"][0].update(arrival=2, departure=4)
-    assert msmrta("check", written(document, tmp_path)) == 1
-    where = f"{tmp_path}/plan.json: robot 0 on its way to victim 0"
-    assert capsys.readouterr().err.splitlines() == [
-        f"{where} arrives at 2, which should be 1",
-        f"{where} leaves at 4, which should be 3",
-    ]
-
-
 def test_every_certificate_on_the_joint_problem_is_checked(
     msmrta: Run, document: Document, tmp_path: Path, capsys: Capture
 ) -> None:
