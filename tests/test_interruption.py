@@ -175,6 +175,6 @@ def test_work_is_told_to_end_where_ctrl_c_raises() -> None:
         send()
         told.wait()
 
-    with pytest.raises(KeyboardInterrupt):
+    with command(), pytest.raises(KeyboardInterrupt):
         until_interrupted(work, told.set)
     assert told.is_set()
