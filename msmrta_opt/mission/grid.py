@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     import networkx as nx
 
 UNREACHABLE = float("inf")
+"""The distance between cells that no walk joins."""
 AT_ONCE = 128
 """Searches between which Ctrl-C is heeded: compiled code does not look."""
-"""The distance between cells that no walk joins."""
 
 
 def manhattan(a: Cell, b: Cell) -> int:
