@@ -11,6 +11,7 @@ from ..arrays import Bools, Floats
 from ..mission.counting import in_full
 from ..mission.errors import ModelError, SolverError
 from ..mission.exact import exact
+from ..optimise.by_structure import is_by_matrix
 from ..optimise.check import TOLERANCE
 from ..optimise.parametric import Family, stays_optimal
 from ..optimise.program import Block, Program
@@ -102,8 +103,8 @@ class Optimum:
                 dual = f", dual values {low}" if low == high else f", dual values {low} to {high}"
             lines.append(f"  {item.label}: {count}{slack}{dual}")
         if self.constraints and not self.solution.duals:
-            how = self.solution.proof.endswith("dual values")
-            by = "with a big M reduced to what is needed" if how else "by branching"
+            is_reduced = is_by_matrix(self.solution.proof)
+            by = "with a big M reduced to what is needed" if is_reduced else "by branching"
             lines.append(f"  No dual values: the optimum was found {by}.")
         with_duals = [row for row in self.binding if row.dual]
         if with_duals:

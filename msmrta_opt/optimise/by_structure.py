@@ -25,6 +25,11 @@ BY_MATRIX = ("assignment algorithm", "simplex", "integral vertex")
 """How a matrix is told to be solved without branching, by duality."""
 
 
+def is_by_matrix(proof: str) -> bool:
+    """Whether `proof`, of an outcome, is by duality and what the matrix proves, without branching."""
+    return any(way in proof for way in BY_MATRIX)
+
+
 def solve_by_structure(
     program: Program, options: Options, recognised: Callable[[], Structure | None]
 ) -> tuple[str, Outcome]:

@@ -17,7 +17,7 @@ import numpy as np
 from ..arrays import Floats
 from ..interruption import interruptible
 from ..mission.errors import InputError, UnsupportedError
-from .by_structure import BY_MATRIX, solve_by_structure
+from .by_structure import is_by_matrix, solve_by_structure
 from .check import TIGHT, TOLERANCE, Point, dual_bound, settled, violations
 from .contradiction import BY_HAND, contradiction
 from .program import ROUNDING, Program
@@ -199,7 +199,7 @@ def _asked(
 
 def _use_of(program: Program, start: Floats, name: str, outcome: Outcome) -> str:
     """What became of a MIP start."""
-    if any(word in outcome.proof for word in BY_MATRIX):
+    if is_by_matrix(outcome.proof):
         return "not used: the relaxation has an integral vertex"
     if not np.isfinite(start).all():
         return f"partial: {name} may complete it or not"

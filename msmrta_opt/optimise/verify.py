@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Floats
 from ..mission.counting import told_apart
 from ..mission.errors import SolverError
-from .by_structure import BY_MATRIX
+from .by_structure import is_by_matrix
 from .check import (
     TIGHT,
     Point,
@@ -74,7 +74,7 @@ class Verifier:
             return name, outcome
         if outcome.proof == BY_HAND and outcome.status in PROVED:
             return name, outcome
-        by_duality = outcome.status == "optimal" and any(w in outcome.proof for w in BY_MATRIX)
+        by_duality = outcome.status == "optimal" and is_by_matrix(outcome.proof)
         if by_duality and self.program.integer.all() and self._holds(outcome.x):
             return name, outcome
         truth = settle(self.program)

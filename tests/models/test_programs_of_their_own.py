@@ -157,6 +157,18 @@ def test_a_value_with_a_large_constant_is_shown_in_full(
 
 
 @pytest.mark.parametrize(
+    ("name", "why"),
+    [("switch_1e7", "with a big M reduced to what is needed"), ("level_max", "by branching")],
+)
+def test_where_there_are_no_dual_values_it_is_said_why(
+    name: str, why: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / f"{name}.py").write_text(HEAD.format(more="") + RIGHT[name][0])
+    assert cli.run(["explain", name, PAPER, "--models", str(tmp_path)]) == 0
+    assert f"No dual values: the optimum was found {why}." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
     ("value", "right"), [("2", 2), ("0", 0), ("3", 3), ("0.5", None), ("2.999", None), ("4", None)]
 )
 def test_a_whole_number_parameter_takes_no_fraction_and_keeps_to_its_range(
